@@ -6,67 +6,115 @@
 #include <span>
 #include <vector>
 
+#include "core/bvh/bvh_lanes.hpp"
+#include "core/bvh/moving_surface_boxes.hpp"
 #include "core/mesh/morton_order.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 
 /// A tree of axis-aligned boxes over items that move: eight children a node, without pointers. Items that are close
-/// together when the tree is made are close together in it. Queries are const and safe from several threads.
+/// together when the tree is made are close together in it. Boxes are in single precision and a little larger than
+/// asked for. Queries are const and safe from several threads.
 class BoxTree {
  public:
   BoxTree() = default;
   /// `middles` of the items, m. The boxes are empty until `refit`.
-  explicit BoxTree(std::span<const Vec3> middles) : m_items(morton_order(middles)) {
-    for (std::size_t count = m_items.size(); count > 0; count = count > 1 ? (count + width - 1) / width : 0) {
-      m_levels.emplace_back(count);
+  explicit BoxTree(std::span<const Vec3> middles) : m_items(morton_order(middles)), m_places(middles.size()) {
+    for (std::size_t place = 0; place < m_items.size(); ++place) {
+      m_places[static_cast<std::size_t>(m_items[place])] = place;
+    }
+    std::size_t count = m_items.size();
+    while (count > 0) {
+      count = (count + bvh_width - 1) / bvh_width;
+      m_levels.emplace_back(count, none());
+      if (count == 1) break;
     }
   }
+
+  /// Of an item in the order of the tree, which never changes.
+  [[nodiscard]] std::size_t place_of(std::size_t item) const { return m_places[item]; }
 
   /// Takes the box of each item from `box_of(item)`, an Eigen::AlignedBox3d in m.
   template <typename BoxOf>
   void refit(const BoxOf& box_of) {
     if (m_levels.empty()) return;
-    for (std::size_t i = 0; i < m_items.size(); ++i) m_levels[0][i] = box_of(static_cast<std::size_t>(m_items[i]));
+    m_origin = box_of(static_cast<std::size_t>(m_items[0])).center();
+    double farthest_m = 0;
+    for (std::size_t place = 0; place < m_items.size(); ++place) {
+      const Eigen::AlignedBox3d box = box_of(static_cast<std::size_t>(m_items[place]));
+      const Vec3 lower = box.min() - m_origin;
+      const Vec3 upper = box.max() - m_origin;
+      farthest_m = std::max({farthest_m, -lower.minCoeff(), upper.maxCoeff()});
+      set(m_levels[0][place / bvh_width], place % bvh_width, {to_floats(lower), to_floats(upper)});
+    }
+    m_padding_m = rounding * farthest_m;
     for (std::size_t level = 1; level < m_levels.size(); ++level) {
-      const auto& below = m_levels[level - 1];
-      for (std::size_t i = 0; i < m_levels[level].size(); ++i) {
-        Eigen::AlignedBox3d box;
-        const std::size_t last = std::min((i + 1) * width, below.size());
-        for (std::size_t child = i * width; child < last; ++child) box.extend(below[child]);
-        m_levels[level][i] = box;
+      for (std::size_t i = 0; i < m_levels[level - 1].size(); ++i) {
+        set(m_levels[level][i / bvh_width], i % bvh_width, bounds_of(m_levels[level - 1][i]));
       }
     }
   }
 
-  /// Of all items; empty without any.
-  [[nodiscard]] Eigen::AlignedBox3d box() const {
-    return m_levels.empty() ? Eigen::AlignedBox3d() : m_levels.back()[0];
-  }
-
-  /// Calls `visit(item, place)` with each item whose box meets `box`, in the ascending order of their places, which
-  /// never change.
+  /// Calls `visit(item, place)` with each item whose box meets `box` and whose place is at least `first_place`, in the
+  /// ascending order of places.
   template <typename Visit>
-  void for_each_in(const Eigen::AlignedBox3d& box, const Visit& visit) const {
-    if (!m_levels.empty()) visit_below(m_levels.size() - 1, 0, box, visit);
+  void for_each_in(const Eigen::AlignedBox3d& box, std::size_t first_place, const Visit& visit) const {
+    if (m_levels.empty()) return;
+    const Vec3 lower = box.min() - m_origin;
+    const Vec3 upper = box.max() - m_origin;
+    const double padding_m =
+        m_padding_m + rounding * std::max(lower.cwiseAbs().maxCoeff(), upper.cwiseAbs().maxCoeff());
+    const Vec3 padding = Vec3::Constant(padding_m);
+    visit_below(m_levels.size() - 1, 0, {to_floats(lower - padding), to_floats(upper + padding)}, first_place, visit);
   }
 
  private:
-  static constexpr std::size_t width = 8;
+  /// Several times that of a single-precision number, relative.
+  static constexpr double rounding = 1e-6;
 
-  template <typename Visit>
-  void visit_below(std::size_t level, std::size_t index, const Eigen::AlignedBox3d& box, const Visit& visit) const {
-    if (!m_levels[level][index].intersects(box)) return;
-    if (level == 0) {
-      visit(static_cast<std::size_t>(m_items[index]), index);
-      return;
+  static MovingBoxes none() {
+    MovingBoxes boxes;
+    for (auto& axis : boxes.lower) axis.fill(bvh_far_away);
+    for (auto& axis : boxes.upper) axis.fill(-bvh_far_away);
+    return boxes;
+  }
+  static std::array<float, 3> to_floats(const Vec3& point) {
+    return {static_cast<float>(point.x()), static_cast<float>(point.y()), static_cast<float>(point.z())};
+  }
+  static void set(MovingBoxes& boxes, std::size_t lane, const BvhBox& box) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      boxes.lower[axis][lane] = box.lower[axis];
+      boxes.upper[axis][lane] = box.upper[axis];
     }
-    const std::size_t last = std::min((index + 1) * width, m_levels[level - 1].size());
-    for (std::size_t child = index * width; child < last; ++child) visit_below(level - 1, child, box, visit);
+  }
+  static BvhBox bounds_of(const MovingBoxes& boxes) {
+    BvhBox box;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      box.lower[axis] = *std::ranges::min_element(boxes.lower[axis]);
+      box.upper[axis] = *std::ranges::max_element(boxes.upper[axis]);
+    }
+    return box;
   }
 
-  std::vector<int> m_items;
-  std::vector<std::vector<Eigen::AlignedBox3d>> m_levels;  ///< items first, the root last
+  template <typename Visit>
+  void visit_below(std::size_t level, std::size_t index, const BvhBox& box, std::size_t first_place,
+                   const Visit& visit) const {
+    for_each_lane(find_boxes_in(m_levels[level][index], box), [&](std::size_t lane) {
+      const std::size_t child = index * bvh_width + lane;
+      if (level == 0) {
+        if (child >= first_place) visit(static_cast<std::size_t>(m_items[child]), child);
+      } else if ((child + 1) << (3 * level) > first_place) {
+        visit_below(level - 1, child, box, first_place, visit);
+      }
+    });
+  }
+
+  std::vector<int> m_items;                        ///< by place
+  std::vector<std::size_t> m_places;               ///< by item
+  std::vector<std::vector<MovingBoxes>> m_levels;  ///< those of items first, the root last
+  Vec3 m_origin = Vec3::Zero();
+  double m_padding_m = 0;
 };
 
 }  // namespace musclebench

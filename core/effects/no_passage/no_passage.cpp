@@ -329,7 +329,7 @@ class NoPassage final : public ContactStage {
         Eigen::AlignedBox3d box;
         for (const Vec3& corner : own) box.extend(corner);
         bool does = false;
-        bone.tree.for_each_in(box, [&](std::size_t other, std::size_t) {
+        bone.tree.for_each_in(box, 0, [&](std::size_t other, std::size_t) {
           does = does || intersect(own, corners_of(bone.mesh, other, bone.mesh.vertices), touching_m());
         });
         if (does) mark(b, triangle);
@@ -337,7 +337,7 @@ class NoPassage final : public ContactStage {
       const std::array<Vec3, 3> own = corners_of(m_mesh, t, m_safe);
       Eigen::AlignedBox3d box;
       for (const Vec3& corner : own) box.extend(corner);
-      m_tree.for_each_in(box, [&](std::size_t other, std::size_t) {
+      m_tree.for_each_in(box, 0, [&](std::size_t other, std::size_t) {
         if (other <= t) return;
         const std::size_t of_other = m_bones.size() + m_body_of[other];
         const std::size_t of_one = m_bones.size() + m_body_of[t];
@@ -459,21 +459,20 @@ class NoPassage final : public ContactStage {
           [&](std::size_t other, const auto& visit) { for_each_with_bone(t, b, other, visit); });
     }
     look_up(
-        m_pairs, t, t + 1, m_tree, grown(swept_box(triangle, m_safe, m_relative)), chunk,
+        m_pairs, t, m_tree.place_of(t) + 1, m_tree, grown(swept_box(triangle, m_safe, m_relative)), chunk,
         [&](std::size_t other) { return std::pair(m_pairs.last[other], m_pairs.now[other]); },
         [&](std::size_t other, const auto& visit) { for_each_with_muscle(t, other, visit); });
   }
 
-  /// With triangles of a tree from `first_other` on. `motion_of(other)`: in the last substep and in this.
+  /// With triangles of a tree from `first_place` on. `motion_of(other)`: in the last substep and in this.
   /// `for_each(other, visit)`: the stencils of the pair.
   template <typename MotionOf, typename ForEach>
-  void look_up(PairsWithTree& pairs, std::size_t t, std::size_t first_other, const BoxTree& tree,
+  void look_up(PairsWithTree& pairs, std::size_t t, std::size_t first_place, const BoxTree& tree,
                const Eigen::AlignedBox3d& box, Chunk& chunk, const MotionOf& motion_of, const ForEach& for_each) {
     std::vector<KnownPair>& known = pairs.known[t];
     auto before = known.begin();
     chunk.known.clear();
-    tree.for_each_in(box, [&](std::size_t other, std::size_t place) {
-      if (other < first_other) return;
+    tree.for_each_in(box, first_place, [&](std::size_t other, std::size_t place) {
       while (before != known.end() && before->place < place) ++before;
       const auto [last, now] = motion_of(other);
       const double enough_m = approach_m(pairs.now[t], now) + least_share * m_gap_m;
@@ -521,10 +520,10 @@ class NoPassage final : public ContactStage {
     const auto follow_it = [&](const PassageStencil& stencil) { follow(stencil, hits); };
     for (std::size_t b = 0; b < m_bones.size(); ++b) {
       const BoneSurface& bone = m_bones[b];
-      bone.tree.for_each_in(grown(swept_box(triangle, bone.start, bone.end)),
+      bone.tree.for_each_in(grown(swept_box(triangle, bone.start, bone.end)), 0,
                             [&](std::size_t other, std::size_t) { for_each_with_bone(t, b, other, follow_it); });
     }
-    m_tree.for_each_in(grown(swept_box(triangle, m_safe, m_relative)), [&](std::size_t other, std::size_t) {
+    m_tree.for_each_in(grown(swept_box(triangle, m_safe, m_relative)), 0, [&](std::size_t other, std::size_t) {
       if (other == t || (other < t && is_moved(other))) return;
       for_each_with_muscle(t, other, follow_it);
     });
