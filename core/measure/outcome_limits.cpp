@@ -138,6 +138,14 @@ class Suspicions {
       const int beyond_rest = most.triangles - m_rest.crossings[i];
       const auto share =
           ratio(std::optional(beyond_rest), m_rest.muscles[static_cast<std::size_t>(pair.muscle)].triangles);
+      if (has("no_passage") && most.triangles > 0) {
+        m_found.push_back(fmt::format(
+            "{} triangles of {} pass through {} {}, and no_passage only keeps apart what is apart before the first "
+            "frame "
+            "and not brought together by bones alone: take settle_substeps or place the meshes apart",
+            most.triangles, muscle_name(pair.muscle), name_of_other(pair), words_of({most.frame, most.angle_deg})));
+        continue;
+      }
       const std::string what = through_what(pair);
       if (what.empty()) continue;
       check("crossing_share", share, [&](double value, double limit) {
@@ -148,13 +156,17 @@ class Suspicions {
     }
   }
 
+  [[nodiscard]] std::string name_of_other(const CrossingPair& pair) const {
+    if (pair.kind == CrossedSurface::itself) return "the muscle itself";
+    return pair.kind == CrossedSurface::muscle ? muscle_name(pair.other) : "the " + bone_name(pair.other);
+  }
   /// Empty where depths are judged.
   [[nodiscard]] std::string through_what(const CrossingPair& pair) const {
-    if (pair.kind == CrossedSurface::itself) return "the muscle itself";
-    if (pair.kind == CrossedSurface::muscle) return touch(pair.muscle, pair.other) ? "" : muscle_name(pair.other);
+    if (pair.kind == CrossedSurface::itself) return name_of_other(pair);
+    if (pair.kind == CrossedSurface::muscle) return touch(pair.muscle, pair.other) ? "" : name_of_other(pair);
     const bool is_open =
         pair.other < std::ssize(m_rest.bones) && m_rest.bones[static_cast<std::size_t>(pair.other)].thickness_m == 0;
-    return is_open ? fmt::format("the {}, which encloses no volume", bone_name(pair.other)) : "";
+    return is_open ? name_of_other(pair) + ", which encloses no volume" : "";
   }
   [[nodiscard]] std::string cure_of(const CrossingPair& pair) const {
     if (pair.kind == CrossedSurface::itself) return has("self_contact") ? "" : ": add self_contact";

@@ -56,6 +56,18 @@ std::string only_suspicion(const Outcome& outcome, const MuscleAtRest& rest = mu
   return found.size() == 1 ? found.front() : all;
 }
 
+TEST(OutcomeLimits, NoPassageLetsNoTrianglePass) {
+  MuscleAtRest rest = muscle();
+  Outcome outcome = at_the_limits();
+  outcome.crossings = {{1, 12, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+  EXPECT_TRUE(suspicions(outcome, rest).empty());
+  rest.effects = {"no_passage"};
+  EXPECT_EQ(only_suspicion(outcome, rest),
+            "1 triangles of iliacus pass through the pelvis in frame 12, and no_passage only keeps apart what is apart "
+            "before the first frame and not brought together by bones alone: take settle_substeps or place the meshes "
+            "apart");
+}
+
 TEST(OutcomeLimits, WithinThemNothingIsSuspect) {
   EXPECT_TRUE(suspicions(at_the_limits(), muscle()).empty()) << only_suspicion(at_the_limits());
   EXPECT_TRUE(suspicions(Outcome(), MuscleAtRest()).empty()) << "what is not known is not suspect";
