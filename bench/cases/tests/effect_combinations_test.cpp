@@ -74,9 +74,8 @@ TEST(EffectCombinations, EachChangesTheState) {
     if (entry.name == "gravity" || entry.name == "edge_length" || entry.name == "attachment") continue;
     const std::string with = run_with({"gravity", "edge_length", entry.name}).state_hash;
     // These act only where something would pass through a bone, is in two, or comes near its own muscle.
-    const bool acts_rarely =
-        entry.name == "tunnelling_guard" || entry.name == "multi_bone" || entry.name == "self_contact" ||
-        entry.name == "no_passage";
+    const bool acts_rarely = entry.name == "tunnelling_guard" || entry.name == "multi_bone" ||
+                             entry.name == "self_contact" || entry.name == "no_passage";
     if (!acts_rarely) {
       EXPECT_NE(with, without) << entry.name;
     }
