@@ -173,7 +173,6 @@ def test_a_program_that_is_not_there_is_one_line(tmp_path, capsys):
 
 WRONG_SCENES = {  # what is known to be red, and why: a seed that holds is taken out of the list
     1001: "bending without edges throws nodes",
-    1023: "nodes that begin 25 mm deep in a bone are thrown by FCL's answers",
 }
 
 
