@@ -86,7 +86,7 @@ struct PairsWithTree {
   }
 };
 
-/// The smaller of two numbers that stand for joined sets.
+/// Disjoint sets of numbers, each told by its smallest.
 class JoinedSets {
  public:
   void reset(std::size_t count) {

@@ -19,7 +19,8 @@ namespace musclebench {
 /// zones only grow, so that this ends.
 ///
 /// Left out, as no choice of positions can prevent them: faces of which a node is bound to the bone, and features that
-/// only bones move. What intersects a collider as the run begins is left out until it is free of it.
+/// only bones move. What intersects a collider as the run begins is left out until it is free of it. Where bones close
+/// on a zone from two sides, it follows the first of them.
 std::unique_ptr<ContactStage> make_no_passage(const StageInput& input, const Parameters& parameters);
 std::vector<ParameterSpec> no_passage_parameters();
 
