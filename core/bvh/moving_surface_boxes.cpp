@@ -50,20 +50,6 @@ unsigned boxes_on_ray(const MovingBoxes& boxes, const std::array<float, 3>& poin
   return found;
 }
 
-unsigned boxes_in(const MovingBoxes& boxes, const BvhBox& box) {
-  const Lanes d;
-  unsigned found = 0;
-  for (std::size_t first = 0; first < bvh_width; first += hn::Lanes(d)) {
-    auto meets = hn::Eq(hn::Zero(d), hn::Zero(d));
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      meets = hn::And(meets, hn::Le(load(boxes.lower[axis], first), hn::Set(d, box.upper[axis])));
-      meets = hn::And(meets, hn::Ge(load(boxes.upper[axis], first), hn::Set(d, box.lower[axis])));
-    }
-    found |= bits_of(d, meets, first);
-  }
-  return found;
-}
-
 }  // namespace
 }  // namespace musclebench::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -73,7 +59,6 @@ namespace musclebench {
 
 HWY_EXPORT(near_boxes);
 HWY_EXPORT(boxes_on_ray);
-HWY_EXPORT(boxes_in);
 
 unsigned find_near_boxes(const MovingBoxes& boxes, const std::array<float, 3>& point, float squared_limit_m2,
                          BvhLanes& squared_m2) {
@@ -83,10 +68,6 @@ unsigned find_near_boxes(const MovingBoxes& boxes, const std::array<float, 3>& p
 unsigned find_boxes_on_ray(const MovingBoxes& boxes, const std::array<float, 3>& point, int axis, bool upwards,
                            float margin_m) {
   return HWY_DYNAMIC_DISPATCH(boxes_on_ray)(boxes, point, axis, upwards, margin_m);
-}
-
-unsigned find_boxes_in(const MovingBoxes& boxes, const BvhBox& box) {
-  return HWY_DYNAMIC_DISPATCH(boxes_in)(boxes, box);
 }
 
 }  // namespace musclebench

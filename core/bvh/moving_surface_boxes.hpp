@@ -3,7 +3,6 @@
 #include <array>
 #include <cstdint>
 
-#include "core/bvh/bvh_lanes.hpp"
 #include "core/bvh/triangle_bvh_nodes.hpp"
 
 namespace musclebench {
@@ -22,8 +21,5 @@ unsigned find_near_boxes(const MovingBoxes& boxes, const std::array<float, 3>& p
 /// The lanes whose box comes closer than `margin_m` to a ray from the point along `axis`, upwards or downwards.
 unsigned find_boxes_on_ray(const MovingBoxes& boxes, const std::array<float, 3>& point, int axis, bool upwards,
                            float margin_m);
-
-/// The lanes whose box meets another one, which is in the same frame.
-unsigned find_boxes_in(const MovingBoxes& boxes, const BvhBox& box);
 
 }  // namespace musclebench

@@ -18,6 +18,8 @@ namespace musclebench {
 /// to design garments"; Bridson, Fedkiw and Anderson 2002). Nothing in a zone moves against anything else in it, and
 /// zones only grow, so that this ends.
 ///
+/// What a step has to look at, `NearPairs` tells from the distances that earlier steps measured.
+///
 /// Left out, as no choice of positions can prevent them: faces of which a node is bound to the bone, and features that
 /// only bones move. What intersects a collider as the run begins is left out until it is free of it. Where bones close
 /// on a zone from two sides, it follows the first of them.

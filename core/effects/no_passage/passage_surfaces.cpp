@@ -1,6 +1,7 @@
 #include "core/effects/no_passage/passage_surfaces.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace musclebench {
@@ -27,6 +28,29 @@ OwnedFeatures::OwnedFeatures(std::span<const Triangle> triangles, std::size_t ve
     if (i > 0 && sides[i].edge == sides[i - 1].edge) continue;
     of[sides[i].triangle].edges[sides[i].side] = sides[i].edge;
   }
+}
+
+TrianglesAtVertices::TrianglesAtVertices(std::span<const Triangle> triangles, std::size_t vertices)
+    : m_first(vertices + 1, 0), m_triangles(3 * triangles.size()) {
+  for (const Triangle& triangle : triangles) {
+    for (const int vertex : triangle) ++m_first[static_cast<std::size_t>(vertex) + 1];
+  }
+  std::partial_sum(m_first.begin(), m_first.end(), m_first.begin());
+  std::vector<std::size_t> next(m_first.begin(), m_first.end() - 1);
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    for (const int vertex : triangles[t]) m_triangles[next[static_cast<std::size_t>(vertex)]++] = t;
+  }
+}
+
+Vec3 TrianglesAtVertices::normal(int vertex, std::span<const Triangle> triangles, std::span<const Vec3> at) const {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = m_first[static_cast<std::size_t>(vertex)]; i < m_first[static_cast<std::size_t>(vertex) + 1];
+       ++i) {
+    const auto corner = [&](std::size_t k) { return at[static_cast<std::size_t>(triangles[m_triangles[i]][k])]; };
+    const Vec3 origin = corner(0);
+    sum += (corner(1) - origin).cross(corner(2) - origin);
+  }
+  return sum.stableNormalized();
 }
 
 }  // namespace musclebench

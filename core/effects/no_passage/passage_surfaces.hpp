@@ -6,11 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/effects/no_passage/box_tree.hpp"
 #include "core/effects/no_passage/stencil.hpp"
-#include "core/mesh/body.hpp"
-#include "core/mesh/bound_node.hpp"
-#include "core/mesh/rigid_motion.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
@@ -29,6 +25,12 @@ struct PassageStencil {
     const std::size_t second = kind == StencilKind::node_face ? 1 : 2;
     return bone >= 0 && (corner < second) == bone_is_first;
   }
+  /// For corners of one mesh: whether both sides have one in common, so that they are never apart.
+  [[nodiscard]] bool shares_a_vertex() const {
+    const auto& [a, b, c, d] = corners;
+    if (kind == StencilKind::node_face) return a == b || a == c || a == d;
+    return a == c || a == d || b == c || b == d;
+  }
 };
 
 /// A surface with each edge and each vertex given to one of its triangles, so that going through pairs of triangles
@@ -42,6 +44,19 @@ struct OwnedFeatures {
   explicit OwnedFeatures(std::span<const Triangle> triangles, std::size_t vertices);
 
   std::vector<OfTriangle> of;
+};
+
+/// Which triangles a vertex is of.
+class TrianglesAtVertices {
+ public:
+  TrianglesAtVertices(std::span<const Triangle> triangles, std::size_t vertices);
+
+  /// Unit normal by area of the triangles at a vertex, or 0. `at`: of all vertices.
+  [[nodiscard]] Vec3 normal(int vertex, std::span<const Triangle> triangles, std::span<const Vec3> at) const;
+
+ private:
+  std::vector<std::size_t> m_first;  ///< by vertex, and one past the last
+  std::vector<std::size_t> m_triangles;
 };
 
 /// All stencils of two triangles that own their features, without those that share a vertex.

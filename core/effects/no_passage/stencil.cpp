@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/distance/triangle_distance.hpp"
 
@@ -9,10 +10,10 @@ namespace musclebench {
 
 namespace {
 
-/// Of the distance that is left a step takes this much, and the search ends where less than the rest is left.
+/// Of the distance that is left a step takes this much.
 constexpr double step_share = 0.9;
 /// Each step is safe on its own; a motion that takes more is cut short.
-constexpr int most_steps = 100;
+constexpr int most_steps = 1000;
 
 StencilGap gap_at(const StencilCorners& corners, const std::array<double, 4>& weights) {
   StencilGap gap{weights, Vec3::Zero(), 0};
@@ -52,6 +53,29 @@ StencilGap gap_of_edges(const StencilCorners& corners) {
   return best;
 }
 
+double squared_distance_of_edges(const StencilCorners& corners) {
+  const auto& [a, b, c, d] = corners;
+  const Vec3 u = b - a;
+  const Vec3 v = d - c;
+  const Vec3 w = a - c;
+  const double uu = u.squaredNorm();
+  const double vv = v.squaredNorm();
+  const double uv = u.dot(v);
+  const double uw = u.dot(w);
+  const double vw = v.dot(w);
+  const auto share = [](double part, double whole) { return whole > 0 ? std::clamp(part / whole, 0.0, 1.0) : 0.0; };
+  const auto squared = [&](double s, double t) { return (w + s * u - t * v).squaredNorm(); };
+  double least = std::min(std::min(squared(0, share(vw, vv)), squared(1, share(vw + uv, vv))),
+                          std::min(squared(share(-uw, uu), 0), squared(share(uv - uw, uu), 1)));
+  const double determinant = uu * vv - uv * uv;
+  if (determinant > 0) {
+    const double s = (uv * vw - vv * uw) / determinant;
+    const double t = (uu * vw - uv * uw) / determinant;
+    if (s > 0 && s < 1 && t > 0 && t < 1) least = std::min(least, squared(s, t));
+  }
+  return least;
+}
+
 StencilGap gap_of_node(const StencilCorners& corners) {
   const auto& [p, a, b, c] = corners;
   const ClosestOnTriangle closest = closest_on_triangle(p, a, b, c);
@@ -88,6 +112,29 @@ StencilGap gap_of(StencilKind kind, const StencilCorners& corners) {
   return kind == StencilKind::node_face ? gap_of_node(corners) : gap_of_edges(corners);
 }
 
+double distance_of(StencilKind kind, const StencilCorners& corners) {
+  if (kind == StencilKind::node_face) {
+    return (corners[0] - closest_on_triangle(corners[0], corners[1], corners[2], corners[3]).point).norm();
+  }
+  return std::sqrt(squared_distance_of_edges(corners));
+}
+
+bool stay_apart(StencilKind kind, const StencilGap& before, const StencilCorners& end, double least_m) {
+  if (!(before.distance_m > least_m)) return false;
+  const std::size_t second = kind == StencilKind::node_face ? 1 : 2;
+  double first_m = std::numeric_limits<double>::infinity();
+  double second_m = -first_m;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double along_m = before.apart.dot(end[k]) / before.distance_m;
+    if (k < second) {
+      first_m = std::min(first_m, along_m);
+    } else {
+      second_m = std::max(second_m, along_m);
+    }
+  }
+  return first_m - second_m > least_m;
+}
+
 double safe_share(StencilKind kind, const StencilCorners& start, const StencilCorners& end, double least_m) {
   StencilCorners moves;
   Vec3 mean = Vec3::Zero();
@@ -98,25 +145,28 @@ double safe_share(StencilKind kind, const StencilCorners& start, const StencilCo
   const std::size_t second = kind == StencilKind::node_face ? 1 : 2;
   double first_m = 0;
   double second_m = 0;
+  StencilCorners relative_end;
   for (std::size_t k = 0; k < 4; ++k) {
     moves[k] -= mean;
+    relative_end[k] = start[k] + moves[k];
     double& longest_m = k < second ? first_m : second_m;
     longest_m = std::max(longest_m, moves[k].norm());
   }
   const double approach_m = first_m + second_m;
-  const double free_m = gap_of(kind, start).distance_m - least_m;
-  if (!(approach_m > 0) || approach_m < free_m) return 1;
-  if (!(free_m > 0)) return gap_of(kind, end).distance_m < free_m + least_m ? 0 : 1;
-  const double enough_m = (1 - step_share) * free_m;
+  StencilGap gap = gap_of(kind, start);
+  double left_m = gap.distance_m - least_m;
+  if (!(approach_m > 0) || approach_m < left_m) return 1;
+  if (!(left_m > 0)) return gap_of(kind, end).distance_m < gap.distance_m ? 0 : 1;
   double share = 0;
-  double left_m = free_m;
   for (int step = 0; step < most_steps; ++step) {
+    if (stay_apart(kind, gap, relative_end, least_m)) return 1;
     share += step_share * left_m / approach_m;
     if (share >= 1) return 1;
     StencilCorners at;
     for (std::size_t k = 0; k < 4; ++k) at[k] = start[k] + share * moves[k];
-    left_m = gap_of(kind, at).distance_m - least_m;
-    if (left_m < enough_m) return std::max(0.0, share);
+    gap = gap_of(kind, at);
+    left_m = gap.distance_m - least_m;
+    if (left_m < enough_share * least_m) return share;
   }
   return share;
 }

@@ -27,6 +27,16 @@ struct StencilGap {
 /// The closest points of both sides. Sides without length or area count as segments or points.
 StencilGap gap_of(StencilKind kind, const StencilCorners& corners);
 
+/// The same distance, m, without its points.
+double distance_of(StencilKind kind, const StencilCorners& corners);
+
+/// Whether both sides stay more than `least_m` apart on straight paths to `end`, along the direction in which `before`
+/// has them apart where the paths start. If not, they may or may not.
+bool stay_apart(StencilKind kind, const StencilGap& before, const StencilCorners& end, double least_m);
+
+/// `safe_share` ends a motion where less than this share of `least_m` is left above it.
+inline constexpr double enough_share = 0.01;
+
 /// The share of a straight motion from `start` to `end`, 0 to 1, that the stencil can surely take before its sides come
 /// closer than `least_m`: 1 where they never do. Additive conservative advancement (Li, Kaufman and Jiang 2021,
 /// "Codimensional incremental potential contact", section 5.4). What all corners move alike does not count. Sides that

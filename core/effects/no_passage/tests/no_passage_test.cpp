@@ -2,10 +2,12 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <hwy/highway.h>
 
 #include "core/base/parameters.hpp"
 #include "core/contact/bone.hpp"
@@ -78,7 +80,7 @@ class NoPassageTest : public testing::Test {
     m_rest = {Mat3::Identity(), Vec3(0, 0, 2.2)};
   }
 
-  [[nodiscard]] std::unique_ptr<ContactStage> stage(int threads = 1) const {
+  [[nodiscard]] std::unique_ptr<ContactStage> stage(int threads = 1, bool with_itself = true) const {
     return make_no_passage({.bones = m_bones,
                             .nodes = m_mesh.vertices.size(),
                             .triangles = m_mesh.triangles,
@@ -86,7 +88,7 @@ class NoPassageTest : public testing::Test {
                             .threads = threads,
                             .mesh = &m_mesh,
                             .bodies = m_bodies},
-                           Parameters(no_passage_parameters(), {{"gap_m", 1e-3}}, "test"));
+                           Parameters(no_passage_parameters(), {{"gap_m", 1e-3}, {"itself", with_itself}}, "test"));
   }
 
   /// Muscles and the bone in one mesh.
@@ -147,6 +149,37 @@ TEST_F(NoPassageTest, ThreadsChangeNoBit) {
   EXPECT_EQ(shake(*stage(1), 0.3, 6, was_crossed), shake(*stage(3), 0.3, 6, was_crossed));
 }
 
+TEST_F(NoPassageTest, ProcessorsChangeNoBit) {
+  bool was_crossed = false;
+  const std::vector<Vec3> wanted = shake(*stage(), 0.3, 6, was_crossed);
+  const std::int64_t all = hwy::SupportedTargets();
+  for (std::int64_t rest = all; rest != 0; rest &= rest - 1) {
+    hwy::SetSupportedTargetsForTest(rest & -rest);
+    EXPECT_EQ(shake(*stage(), 0.3, 6, was_crossed), wanted) << hwy::TargetName(rest & -rest);
+  }
+  hwy::SetSupportedTargetsForTest(0);
+}
+
+TEST_F(NoPassageTest, OnlyTheGuardAgainstItselfHoldsAFoldApart) {
+  // One muscle, folded over: its upper half is pushed through the lower one.
+  m_mesh = make_sphere(1, 2);
+  m_bodies = {Body{"ball", 0, static_cast<int>(m_mesh.vertices.size()), 0, m_mesh.triangles.size()}};
+  m_masses.assign(m_mesh.vertices.size(), 1);
+  m_rest.translation_m = Vec3(0, 0, 1000);
+  for (const bool with_itself : {true, false}) {
+    std::vector<Vec3> proposed = m_mesh.vertices;
+    for (Vec3& node : proposed) node += node.z() > 0.1 ? Vec3(0.13, 0.07, -1.5) : Vec3(0, 0, 0);
+    const int proposed_crossings = crossings_in(proposed, m_mesh.triangles);
+    std::vector<Vec3> start = m_mesh.vertices;
+    const std::vector<RigidMotion> poses{m_rest};
+    const auto guard = stage(1, with_itself);
+    (void)guard->before_bones({start, proposed, {}, poses, poses, {}});
+    (void)guard->end_substep({start, proposed, {}, poses, poses, {}});
+    EXPECT_GT(proposed_crossings, 0);
+    EXPECT_EQ(crossings_in(proposed, m_mesh.triangles), with_itself ? 0 : proposed_crossings);
+  }
+}
+
 TEST_F(NoPassageTest, WhatMeetsNothingIsLeftAlone) {
   std::vector<Vec3> start = m_mesh.vertices;
   std::vector<Vec3> proposed = start;
@@ -160,6 +193,7 @@ TEST_F(NoPassageTest, WhatMeetsNothingIsLeftAlone) {
 }
 
 TEST_F(NoPassageTest, MusclesThatFlyThroughEachOtherStayOnTheirSides) {
+  m_rest.translation_m = Vec3(0, 0, 1000);  // out of the way of what is thrown aside
   std::vector<Vec3> start = m_mesh.vertices;
   std::vector<Vec3> proposed = start;
   for (std::size_t node = 0; node < start.size(); ++node) {
