@@ -130,7 +130,7 @@ std::string pair_names(const Scene& scene, const MusclePair& pair) {
 }
 
 void warn_of_muscle_pairs(const Scene& scene, Warnings& warnings) {
-  if (scene.muscles.size() > 1 && scene.muscle_pairs.empty()) {
+  if (scene.muscles.size() > 1 && scene.muscle_pairs.empty() && !has_effect(scene, "no_passage")) {
     warnings.push_back(
         {"muscle_pairs", fmt::format("{} muscles without contact between them: they pass through each other; let them "
                                      "collide with [contact] muscle_contact = true, or name two in a [[pair]]",

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/contact/contact_rows.hpp"
+#include "core/effects/no_passage/passage_overlaps.hpp"
 #include "core/effects/no_passage/passage_paths.hpp"
 #include "core/effects/no_passage/triangle_axes.hpp"
 
@@ -17,8 +18,6 @@ namespace {
 
 /// Features end a substep no closer than this share of what they had, or of the gap where that is less.
 constexpr double least_share = 0.2;
-/// What is closer than this share of the gap touches: its direction apart is rounding.
-constexpr double touching_share = 1e-3;
 /// Sine of the angle by which surfaces that touch have to face each other.
 constexpr double least_facing = 0.2;
 /// Sine of the least angle between edges that touch.
@@ -65,35 +64,6 @@ class JoinedSets {
 };
 
 Vec3 area_normal(const Corners& corners) { return (corners[1] - corners[0]).cross(corners[2] - corners[0]); }
-
-/// Whether the edge from `from` to `to` goes through the triangle's inside and reaches farther than `touching_m` beyond
-/// it on both sides.
-bool pierces(const Vec3& from, const Vec3& to, const std::array<Vec3, 3>& triangle, double touching_m) {
-  const auto& [a, b, c] = triangle;
-  const Vec3 normal = area_normal(triangle).stableNormalized();
-  const double below_m = normal.dot(from - a);
-  const double above_m = normal.dot(to - a);
-  if (std::min(below_m, above_m) > -touching_m || std::max(below_m, above_m) < touching_m) return false;
-  const Vec3 along = to - from;
-  const auto side = [&](const Vec3& one, const Vec3& other) {
-    const double volume = along.dot((one - from).cross(other - from));
-    return std::abs(volume) > touching_m * along.norm() * (other - one).norm() ? (volume > 0 ? 1 : -1) : 0;
-  };
-  const int first = side(a, b);
-  return first != 0 && first == side(b, c) && first == side(c, a);
-}
-
-bool share_a_vertex(const Triangle& one, const Triangle& other) {
-  return std::ranges::any_of(one, [&](int vertex) { return std::ranges::find(other, vertex) != other.end(); });
-}
-
-bool intersect(const std::array<Vec3, 3>& one, const std::array<Vec3, 3>& other, double touching_m) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (pierces(one[k], one[(k + 1) % 3], other, touching_m)) return true;
-    if (pierces(other[k], other[(k + 1) % 3], one, touching_m)) return true;
-  }
-  return false;
-}
 
 class NoPassage final : public ContactStage {
  public:
@@ -155,13 +125,6 @@ class NoPassage final : public ContactStage {
   [[nodiscard]] int contact_count() const override { return m_hit_count; }
 
  private:
-  /// Two triangles that intersect.
-  struct Overlap {
-    int bone;  ///< or -1
-    std::size_t triangle;
-    std::size_t other;
-  };
-
   [[nodiscard]] char* left_out(std::size_t collider) { return m_is_left_out.data() + collider * m_is_moved.size(); }
   [[nodiscard]] const char* left_out(std::size_t collider) const {
     return m_is_left_out.data() + collider * m_is_moved.size();
@@ -171,19 +134,11 @@ class NoPassage final : public ContactStage {
   void leave_out_intersecting(std::span<const RigidMotion> poses) {
     const bool is_first = std::exchange(m_is_first, false);
     m_paths.set(m_safe, m_safe, poses, poses);
-    for (auto& part : m_overlaps) part.clear();
-    m_paths.for_each_near(
-        0, m_overlaps, [&](std::vector<Overlap>& found, int bone, std::size_t t, std::size_t other, double) {
-          if (!is_first && !is_any_left_out(bone >= 0 ? at_index(bone) : muscle_of(other), triangle(t)) &&
-              (bone >= 0 || !is_any_left_out(muscle_of(t), triangle(other)))) {
-            return 0.0;
-          }
-          if (bone < 0 && share_a_vertex(triangle(t), triangle(other))) return 0.0;
-          if (intersect(m_paths.corners_of(bone, t), m_paths.corners_of_other(bone, other), touching_m())) {
-            found.push_back({bone, t, other});
-          }
-          return 0.0;
-        });
+    const std::vector<PassageOverlap> overlaps = find_overlaps(m_paths, touching_m(), [&](const PassageOverlap& pair) {
+      const auto& [bone, t, other] = pair;
+      return is_first || is_any_left_out(bone >= 0 ? at_index(bone) : muscle_of(other), triangle(t)) ||
+             (bone < 0 && is_any_left_out(muscle_of(t), triangle(other)));
+    });
     m_still_left_out.assign(m_is_left_out.size(), 0);
     m_are_left_out = false;
     const auto mark = [&](std::size_t collider, const Triangle& triangle) {
@@ -194,11 +149,9 @@ class NoPassage final : public ContactStage {
         m_are_left_out = true;
       }
     };
-    for (const auto& part : m_overlaps) {
-      for (const auto& [bone, t, other] : part) {
-        mark(bone >= 0 ? at_index(bone) : muscle_of(other), triangle(t));
-        if (bone < 0) mark(muscle_of(t), triangle(other));
-      }
+    for (const auto& [bone, t, other] : overlaps) {
+      mark(bone >= 0 ? at_index(bone) : muscle_of(other), triangle(t));
+      if (bone < 0) mark(muscle_of(t), triangle(other));
     }
     m_is_left_out.swap(m_still_left_out);
   }
@@ -469,7 +422,6 @@ class NoPassage final : public ContactStage {
   JoinedSets m_zones;
   std::vector<int> m_changed;
   int m_hit_count = 0;
-  std::vector<std::vector<Overlap>> m_overlaps;
   // By collider (bones, then muscles) and node.
   std::vector<char> m_is_left_out;
   std::vector<char> m_still_left_out;

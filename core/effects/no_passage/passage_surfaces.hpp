@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <compare>
 #include <cstddef>
@@ -58,6 +59,11 @@ class TrianglesAtVertices {
   std::vector<std::size_t> m_first;  ///< by vertex, and one past the last
   std::vector<std::size_t> m_triangles;
 };
+
+/// Of one mesh.
+inline bool share_a_vertex(const Triangle& one, const Triangle& other) {
+  return std::ranges::any_of(one, [&](int vertex) { return std::ranges::find(other, vertex) != other.end(); });
+}
 
 /// All stencils of two triangles that own their features, without those that share a vertex.
 template <typename Visit>

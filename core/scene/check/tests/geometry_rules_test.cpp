@@ -216,6 +216,32 @@ TEST(GeometryRules, AskForContactOfMusclesThatTouchOrWill) {
   EXPECT_GT(figure_of(*will, "rest_gap_m"), 0);
 }
 
+TEST(GeometryRules, TellWhatGoesThroughEachOtherBeforeAnythingIsHeldApart) {
+  const std::string guard = "[effects.no_passage]\n";
+  EXPECT_FALSE(is_found(two_muscles("far", guard), "passed_at_start"));
+  EXPECT_FALSE(is_found(two_muscles("other"), "passed_at_start")) << "not asked for";
+  const Findings findings = check_scene(two_muscles("other", guard));
+  const Finding* finding = find_finding(findings, "passed_at_start", "effects.no_passage, muscle 'ball'");
+  ASSERT_NE(finding, nullptr);
+  EXPECT_EQ(finding->kind, FindingKind::acts_in_part);
+  EXPECT_GT(figure_of(*finding, "triangles"), 10);
+  EXPECT_NE(finding->what.find("muscle 'other'"), std::string::npos) << finding->what;
+  // The other effect for that is not called for.
+  EXPECT_FALSE(is_found(two_muscles("other", guard), "muscle_contact"));
+  // The ball hangs 0.5 mm above the plate; turned from the start, the plate goes through it.
+  const auto plate_turned = [&](double degrees) {
+    return check_scene_of(bone_text("plate", fmt::format("[bone.motion]\naxis = [0, 1, 0]\ncentre_m = [-0.05, 0, 0]\n"
+                                                         "from_deg = {}\nto_deg = {}\n",
+                                                         degrees, degrees)) +
+                          muscle_text("ball") + guard);
+  };
+  EXPECT_FALSE(is_found(plate_turned(0), "passed_at_start"));
+  const Findings turned = check_scene(plate_turned(-3));
+  const Finding* through = find_finding(turned, "passed_at_start");
+  ASSERT_NE(through, nullptr);
+  EXPECT_NE(through->what.find("bone 'plate'"), std::string::npos) << through->what;
+}
+
 TEST(GeometryRules, OfOpenMusclesContactIsNotAdded) {
   const Scene scene = check_scene_of(bone_text("plate", turning(1)) + muscle_text("bowl") + muscle_text("other"));
   const Findings findings = check_scene(scene);
