@@ -10,9 +10,11 @@ namespace musclebench {
 
 namespace {
 
-/// What would be used up within so many steps like this is looked at together with others.
+/// What would be used up within so many steps like this is measured together with others, so that the next steps need
+/// not look at the same pair of nodes.
 constexpr float soon_steps = 2;
-/// A pair of nodes that are apart by more than this share of their radii is not looked into.
+/// Spheres that are apart by more than this share of their radii tell enough; closer ones are looked into, as their
+/// distance says little.
 constexpr float far_share = 0.1F;
 
 std::size_t at_index(int value) { return static_cast<std::size_t>(value); }
@@ -136,12 +138,14 @@ bool NearPairs::close_if_far(int level, int index, float least_m) {
   const LaneOf other = LaneOf::node(m_second, level, pair.second);
   const float apart = apart_m(one, other);
   if (!(apart > approach_of(one, other) + least_m) || !is_far(apart, one, other)) return false;
-  if (level > 1 && std::ranges::any_of(all.below[at_index(index)], [](int below) { return below >= 0; })) return false;
+  if (pair.open_below > 0) return false;
   const std::size_t above = at_index(pair.above);
-  make_right(level + 1, pair.above);
+  make_current(level + 1, pair.above);
   at(level + 1).blocks[above].left_m[at_index(pair.slot) / bvh_width][at_index(pair.slot) % bvh_width] = apart;
   at(level + 1).below[above][at_index(pair.slot)] = -1;
-  at(level + 1).open[above].left_m = std::min(at(level + 1).open[above].left_m, apart);
+  Open& parents = at(level + 1).open[above];
+  parents.left_m = std::min(parents.left_m, apart);
+  parents.is_emptied = --parents.open_below == 0;
   pair.above = -1;
   all.free.push_back(index);
   return true;
@@ -150,16 +154,18 @@ bool NearPairs::close_if_far(int level, int index, float least_m) {
 void NearPairs::find(double least_m) {
   m_found.clear();
   if (m_first.tree().size(0) == 0 || m_second.tree().size(0) == 0) return;
-  const auto least = static_cast<float>(least_m);
+  const auto least = (1 + lane_rounding) * static_cast<float>(least_m);
   look_into(top(), 0, least);
   for (int level = top() - 1; level >= 1; --level) {
     approach_all(level);
     // Those that are opened meanwhile are of the level below.
     for (std::size_t i = 0; i < at(level).open.size(); ++i) {
-      const Open& pair = at(level).open[i];
-      if (pair.above < 0 || pair.next_m > least || !is_changed(level, pair) ||
-          close_if_far(level, static_cast<int>(i), least))
-        continue;
+      Open& pair = at(level).open[i];
+      if (pair.above < 0 || !is_changed(level, pair)) continue;
+      const bool is_used_up = !(pair.left_at_end_m > least);
+      if (!is_used_up && !pair.is_emptied) continue;
+      pair.is_emptied = false;
+      if (close_if_far(level, static_cast<int>(i), least) || !is_used_up) continue;
       if (level > 1) {
         look_into(level, static_cast<int>(i), least);
       } else {
@@ -176,7 +182,8 @@ void NearPairs::approach_all(int level) {
       if (!is_changed(level, pair)) continue;
       const Four& one = m_first.motion(level, at_index(pair.first));
       const Four& other = m_second.motion(level, at_index(pair.second));
-      pair.next_m = left_after(pair.left_m, approach_of({&one, &one, &one, &one}, {&other, &other, &other, &other})[0]);
+      pair.left_at_end_m =
+          left_after(pair.left_m, approach_of({&one, &one, &one, &one}, {&other, &other, &other, &other})[0]);
     }
     return;
   }
@@ -190,16 +197,16 @@ void NearPairs::approach_all(int level) {
     }
     const Four approach = approach_of(ones, others);
     for (std::size_t k = 0; k < std::min<std::size_t>(4, open.size() - first); ++k) {
-      open[first + k].next_m = left_after(open[first + k].left_m, approach[static_cast<Eigen::Index>(k)]);
+      open[first + k].left_at_end_m = left_after(open[first + k].left_m, approach[static_cast<Eigen::Index>(k)]);
     }
   }
 }
 
-void NearPairs::make_right(int level, int index) {
+void NearPairs::make_current(int level, int index) {
   Open& pair = at(level).open[at_index(index)];
-  if (std::exchange(pair.is_right, true)) return;
-  at(level).right.push_back(index);
-  const float gone_m = (1 + lane_rounding) * (pair.then_m - pair.left_m);
+  if (std::exchange(pair.is_current, true)) return;
+  at(level).current.push_back(index);
+  const float gone_m = (1 + lane_rounding) * (pair.left_when_current_m - pair.left_m);
   for (BvhLanes& row : at(level).blocks[at_index(index)].left_m) {
     for (float& left_m : row) left_m = left_after(left_m, gone_m);
   }
@@ -208,19 +215,20 @@ void NearPairs::make_right(int level, int index) {
 void NearPairs::look_into(int level, int index, float least_m) {
   Level& all = at(level);
   NearBlock& block = all.blocks[at_index(index)];
-  make_right(level, index);
+  make_current(level, index);
   const SphereLanes& first = m_first.below(level, block.first);
   const SphereLanes& second = m_second.below(level, block.second);
   const Open& pair = all.open[at_index(index)];
-  const float soon_m = level < top() ? soon_steps * (pair.left_m - pair.next_m) : 0;
+  const float soon_m = level < top() ? soon_steps * (pair.left_m - pair.left_at_end_m) : 0;
   for_each_bit(find_used_up(first, second, least_m, soon_m, block.left_m), [&](std::size_t slot) {
     const LaneOf one{first, slot / bvh_width};
     const LaneOf other{second, slot % bvh_width};
     float& left_m = block.left_m[one.lane][other.lane];
     if (is_far(left_m, one, other) && left_m > approach_of(one, other) + least_m) return;
-    if (closest_m(one, other) > least_m) return;
+    if (closest_m(one, other) > least_m || all.below[at_index(index)][slot] >= 0) return;
     left_m = nowhere_m;
     all.below[at_index(index)][slot] = open(level - 1, index, static_cast<int>(slot));
+    ++all.open[at_index(index)].open_below;
   });
   all.open[at_index(index)].left_m = least_of(block.left_m);
 }
@@ -229,9 +237,9 @@ void NearPairs::look_at_leaf(int index, float least_m) {
   NearBlock& block = leaf(index);
   const Open& pair = at(1).open[at_index(index)];
   if (closest_m(LaneOf::node(m_first, 1, pair.first), LaneOf::node(m_second, 1, pair.second)) > least_m) return;
-  make_right(1, index);
+  make_current(1, index);
   // What slides on another surface is as close again at once.
-  const float soon_m = &m_first == &m_second ? soon_steps * (pair.left_m - pair.next_m) : 0;
+  const float soon_m = &m_first == &m_second ? soon_steps * (pair.left_m - pair.left_at_end_m) : 0;
   block.found =
       find_used_up(m_first.below(1, block.first), m_second.below(1, block.second), least_m, soon_m, block.left_m);
   m_found.push_back(index);
@@ -249,17 +257,50 @@ void NearPairs::move_on() {
   for (int level = 1; level <= top(); ++level) {
     Level& all = at(level);
     for (Open& pair : all.open) {
-      if (!pair.is_right) pair.left_m = pair.next_m;
+      if (!pair.is_current) pair.left_m = pair.left_at_end_m;
     }
-    for (const int index : all.right) {
+    for (const int index : all.current) {
       NearBlock& block = all.blocks[at_index(index)];
       Open& pair = all.open[at_index(index)];
-      pair.is_right = false;
-      pair.left_m = pair.then_m =
+      pair.is_current = false;
+      pair.left_m = pair.left_when_current_m =
           take_off_approach(m_first.below(level, block.first), m_second.below(level, block.second), block.left_m);
     }
-    all.right.clear();
+    all.current.clear();
+    constexpr std::size_t few = 64;
+    if (all.free.size() > few && 2 * all.free.size() > all.open.size()) compact(level);
   }
+}
+
+std::size_t NearPairs::bytes() const {
+  std::size_t bytes = 0;
+  for (const Level& level : m_levels) {
+    bytes += level.open.size() * (sizeof(Open) + sizeof(NearBlock)) + level.below.size() * sizeof(level.below[0]);
+  }
+  return bytes;
+}
+
+/// Gives back what a flight opened and has closed since.
+void NearPairs::compact(int level) {
+  Level& all = at(level);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < all.open.size(); ++i) {
+    if (all.open[i].above < 0) continue;
+    all.open[kept] = all.open[i];
+    all.blocks[kept] = all.blocks[i];
+    at(level + 1).below[at_index(all.open[kept].above)][at_index(all.open[kept].slot)] = static_cast<int>(kept);
+    if (level > 1) {
+      all.below[kept] = all.below[i];
+      for (const int below : all.below[kept]) {
+        if (below >= 0) at(level - 1).open[at_index(below)].above = static_cast<int>(kept);
+      }
+    }
+    ++kept;
+  }
+  all.open.resize(kept);
+  all.blocks.resize(kept);
+  if (level > 1) all.below.resize(kept);
+  all.free.clear();
 }
 
 }  // namespace musclebench

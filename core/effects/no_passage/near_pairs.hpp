@@ -38,12 +38,15 @@ class NearPairs {
   [[nodiscard]] std::span<const int> leaves() const { return m_found; }
   /// Its nodes are of level 1, so that its pairs are of triangles.
   [[nodiscard]] NearBlock& leaf(int index) { return m_levels[0].blocks[static_cast<std::size_t>(index)]; }
-  /// How far the triangles of a pair of `leaves` come closer at most. Safe from several threads.
+  /// How far the triangles of a pair of `leaves` come closer at most, m. Safe from several threads for leaves of the
+  /// last `find`, as long as the paths are those.
   [[nodiscard]] float approach_m(const NearBlock& leaf, std::size_t row, std::size_t column);
   /// Takes over what was found out about leaves.
   void tell();
   /// The ends of the paths become starts.
   void move_on();
+  /// Of what is open.
+  [[nodiscard]] std::size_t bytes() const;
 
  private:
   /// A pair of nodes that is looked into.
@@ -52,10 +55,12 @@ class NearPairs {
     int slot = 0;    ///< in that block
     int first = 0;
     int second = 0;
-    float left_m = 0;  ///< least distance in its block, but for what is open in turn
-    float then_m = 0;  ///< the same when the block was last right
-    float next_m = 0;  ///< where the paths end
-    bool is_right = false;
+    float left_m = 0;               ///< least distance where the paths start of what its block has not open in turn
+    float left_when_current_m = 0;  ///< the same when the block was last current: its distances are too large by more
+    float left_at_end_m = 0;        ///< where the paths end
+    int open_below = 0;             ///< how many pairs of its block are open in turn
+    bool is_emptied = false;        ///< whether the last of them was closed since the last time
+    bool is_current = false;        ///< whether distances in its block are those where the paths start
   };
   /// All open pairs of nodes of a level.
   struct Level {
@@ -63,7 +68,7 @@ class NearPairs {
     std::vector<NearBlock> blocks;
     std::vector<std::array<int, bvh_width * bvh_width>> below;  ///< by slot: index of what is open in turn, or -1
     std::vector<int> free;
-    std::vector<int> right;  ///< whose blocks are, since `move_on`
+    std::vector<int> current;  ///< whose blocks are, since `move_on`
   };
 
   [[nodiscard]] Level& at(int level) { return m_levels[static_cast<std::size_t>(level) - 1]; }
@@ -72,12 +77,13 @@ class NearPairs {
   /// What is left where the paths end, of all open pairs.
   void approach_all(int level);
   bool close_if_far(int level, int index, float least_m);
+  void compact(int level);
   void look_into(int level, int index, float least_m);
   void look_at_leaf(int index, float least_m);
   [[nodiscard]] bool is_changed(int level, const Open& pair) const {
     return m_first.is_changed(level, pair.first) || m_second.is_changed(level, pair.second);
   }
-  void make_right(int level, int index);
+  void make_current(int level, int index);
 
   PathSpheres& m_first;
   PathSpheres& m_second;

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <utility>
 
 #include "core/contact/contact_rows.hpp"
+#include "core/effects/no_passage/joined_sets.hpp"
+#include "core/effects/no_passage/left_out.hpp"
 #include "core/effects/no_passage/passage_overlaps.hpp"
 #include "core/effects/no_passage/passage_paths.hpp"
 #include "core/effects/no_passage/triangle_axes.hpp"
@@ -18,8 +19,8 @@ namespace {
 
 /// Features end a substep no closer than this share of what they had, or of the gap where that is less.
 constexpr double least_share = 0.2;
-/// Sine of the angle by which surfaces that touch have to face each other.
-constexpr double least_facing = 0.2;
+/// Sine of the angle by which surfaces that touch have to face each other: less than half of a needle's.
+constexpr double least_facing = 0.01;
 /// Sine of the least angle between edges that touch.
 constexpr double least_angle = 1e-3;
 /// Of an edge: what is closer to its end is at its end.
@@ -40,50 +41,26 @@ struct Hit {
   double target_m = 0;                 ///< that they are to keep
 };
 
-/// Disjoint sets of numbers, each told by its smallest.
-class JoinedSets {
- public:
-  void reset(std::size_t count) {
-    m_parents.resize(count);
-    std::iota(m_parents.begin(), m_parents.end(), 0);
-  }
-  int find(int item) {
-    while (m_parents[at_index(item)] != item) {
-      item = m_parents[at_index(item)] = m_parents[at_index(m_parents[at_index(item)])];
-    }
-    return item;
-  }
-  void join(int one, int other) {
-    one = find(one);
-    other = find(other);
-    m_parents[at_index(std::max(one, other))] = std::min(one, other);
-  }
-
- private:
-  std::vector<int> m_parents;
-};
-
 Vec3 area_normal(const Corners& corners) { return (corners[1] - corners[0]).cross(corners[2] - corners[0]); }
 
 class NoPassage final : public ContactStage {
  public:
   NoPassage(const StageInput& input, double gap_m, int rounds, bool with_itself)
       : m_paths(*input.mesh, input.bodies, input.bones, input.bound_nodes, with_itself, input.threads),
-        m_bodies(input.bodies.size()),
+        m_bodies(input.bodies.begin(), input.bodies.end()),
+        m_left_out(m_paths, input.bones, m_bodies, touching_share * gap_m),
         m_gap_m(gap_m),
         m_rounds(rounds),
         m_inverse_masses(input.inverse_masses.begin(), input.inverse_masses.end()),
         m_solver(m_inverse_masses, input.contacts.friction_coefficient),
-        m_is_moved(input.nodes, 1) {
-    m_is_left_out.assign((m_paths.bones() + m_bodies) * input.nodes, 0);
-  }
+        m_is_moved(input.nodes, 1) {}
 
   [[nodiscard]] std::string_view name() const override { return "no_passage"; }
 
   std::span<const int> before_bones(const ContactStageInput& input) override {
     if (m_safe.empty()) {
       m_safe.assign(input.start.begin(), input.start.end());
-      leave_out_intersecting(input.previous_bone_poses);
+      m_left_out.update(m_safe, input.previous_bone_poses);
     }
     return {};
   }
@@ -117,7 +94,7 @@ class NoPassage final : public ContactStage {
       }
     }
     m_safe.swap(m_proposed);
-    if (m_are_left_out) leave_out_intersecting(input.bone_poses);
+    if (m_left_out.is_any()) m_left_out.update(m_safe, input.bone_poses);
     return m_changed;
   }
 
@@ -125,61 +102,7 @@ class NoPassage final : public ContactStage {
   [[nodiscard]] int contact_count() const override { return m_hit_count; }
 
  private:
-  [[nodiscard]] char* left_out(std::size_t collider) { return m_is_left_out.data() + collider * m_is_moved.size(); }
-  [[nodiscard]] const char* left_out(std::size_t collider) const {
-    return m_is_left_out.data() + collider * m_is_moved.size();
-  }
-
-  /// Nodes of triangles that intersect a collider where they are now; after the first time only of those that did.
-  void leave_out_intersecting(std::span<const RigidMotion> poses) {
-    const bool is_first = std::exchange(m_is_first, false);
-    m_paths.set(m_safe, m_safe, poses, poses);
-    const std::vector<PassageOverlap> overlaps = find_overlaps(m_paths, touching_m(), [&](const PassageOverlap& pair) {
-      const auto& [bone, t, other] = pair;
-      return is_first || is_any_left_out(bone >= 0 ? at_index(bone) : muscle_of(other), triangle(t)) ||
-             (bone < 0 && is_any_left_out(muscle_of(t), triangle(other)));
-    });
-    m_still_left_out.assign(m_is_left_out.size(), 0);
-    m_are_left_out = false;
-    const auto mark = [&](std::size_t collider, const Triangle& triangle) {
-      for (const int node : triangle) {
-        const std::size_t i = collider * m_is_moved.size() + at_index(node);
-        if (!is_first && m_is_left_out[i] == 0) continue;
-        m_still_left_out[i] = 1;
-        m_are_left_out = true;
-      }
-    };
-    for (const auto& [bone, t, other] : overlaps) {
-      mark(bone >= 0 ? at_index(bone) : muscle_of(other), triangle(t));
-      if (bone < 0) mark(muscle_of(t), triangle(other));
-    }
-    m_is_left_out.swap(m_still_left_out);
-  }
-
-  [[nodiscard]] bool is_any_left_out(std::size_t collider, const Triangle& triangle) const {
-    const char* of = left_out(collider);
-    return of[triangle[0]] != 0 || of[triangle[1]] != 0 || of[triangle[2]] != 0;
-  }
-
-  /// Whether a stencil is of surfaces that intersected as the run began, and have since.
-  [[nodiscard]] bool is_left_out(const PassageStencil& stencil) const {
-    if (!m_are_left_out) return false;
-    const std::size_t second = stencil.kind == StencilKind::node_face ? 1 : 2;
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (stencil.is_of_bone(k)) continue;
-      const std::size_t collider = stencil.bone >= 0
-                                       ? at_index(stencil.bone)
-                                       : m_paths.bones() + m_paths.body_of_node(stencil.corners[k < second ? 3 : 0]);
-      if (left_out(collider)[stencil.corners[k]] != 0) return true;
-    }
-    return false;
-  }
-
   [[nodiscard]] const Triangle& triangle(std::size_t t) const { return m_paths.mesh().triangles[t]; }
-  [[nodiscard]] std::size_t muscle_of(std::size_t t) const {
-    return m_paths.bones() + m_paths.body_of_node(triangle(t)[0]);
-  }
-
   /// Whether any features come too close on their paths to `m_proposed`, of triangles with a node that moved.
   bool find_hits() {
     for (auto& part : m_hits_of_parts) part.clear();
@@ -206,7 +129,8 @@ class NoPassage final : public ContactStage {
     return std::ranges::any_of(triangle(t), [&](int node) { return m_is_moved[at_index(node)] != 0; });
   }
 
-  /// How far apart two triangles are at least where their paths start.
+  /// Follows what a pair of triangles owns. How far apart that is at least where the paths start; 0 where it was not
+  /// looked at, or intersects.
   double follow_pair(int bone, std::size_t t, std::size_t other, double enough_m, std::vector<Hit>& hits) const {
     if (!is_moved(t) && (bone >= 0 || !is_moved(other))) return 0;
     if (bone >= 0 || !share_a_vertex(triangle(t), triangle(other))) {
@@ -223,19 +147,28 @@ class NoPassage final : public ContactStage {
       const StencilCorners start = m_paths.starts_of(stencil);
       follow(stencil, start, gap_of(stencil.kind, start), hits);
     });
-    return left_m;
+    // What intersects has features that are apart, too.
+    return m_left_out.concerns(bone, t, other) ? 0 : left_m;
   }
 
   void follow(const PassageStencil& stencil, const StencilCorners& start, const StencilGap& before,
               std::vector<Hit>& hits) const {
+    if (m_left_out.has(stencil)) return;
     const double distance_m = before.distance_m;
-    const double least_m = least_share * std::min(m_gap_m, distance_m);
     const StencilCorners end = m_paths.ends_of(stencil);
-    if (is_left_out(stencil)) return;
-    Hit hit{stencil, before.weights, {}, start, m_gap_m};
+    Hit hit{stencil, before.weights, Vec3::Zero(), start, m_gap_m};
+    if (stencil.bone < 0 && m_paths.body_of_node(stencil.corners[0]) == m_paths.body_of_node(stencil.corners[3])) {
+      // Neighbours in the mesh may be closer by nature.
+      StencilCorners rest;
+      for (std::size_t k = 0; k < 4; ++k) rest[k] = m_paths.mesh().vertices[at_index(stencil.corners[k])];
+      const double rest_m = distance_of(stencil.kind, rest);
+      hit.target_m = std::min(m_gap_m, std::max(distance_m, 0.5 * rest_m));
+    }
     if (distance_m < touching_m()) {
-      if (!comes_in(stencil, before.weights, start, end, hit.normal)) return;
+      if (!comes_in(hit, end)) return;
     } else {
+      // What is apart never gets so close that its side is in doubt.
+      const double least_m = std::max(least_share * std::min(m_gap_m, distance_m), 2 * touching_m());
       const double share = safe_share(stencil.kind, start, end, least_m);
       if (!(share < 1)) return;
       for (std::size_t k = 0; k < 4; ++k) hit.at[k] = start[k] + share * (end[k] - start[k]);
@@ -243,47 +176,48 @@ class NoPassage final : public ContactStage {
       hit.weights = gap.weights;
       hit.normal = gap.apart.stableNormalized();
     }
-    if (stencil.bone < 0 && m_paths.body_of_node(stencil.corners[0]) == m_paths.body_of_node(stencil.corners[3])) {
-      // Neighbours in the mesh may be closer by nature.
-      StencilCorners rest;
-      for (std::size_t k = 0; k < 4; ++k) rest[k] = m_paths.mesh().vertices[at_index(stencil.corners[k])];
-      const double rest_m = gap_of(stencil.kind, rest).distance_m;
-      hit.target_m = std::min(m_gap_m, std::max(distance_m, 0.5 * rest_m));
-    }
     hits.push_back(hit);
   }
 
-  /// Whether features that touch end in each other, where their surfaces face each other; and the normal that they
-  /// have then.
-  [[nodiscard]] bool comes_in(const PassageStencil& stencil, const std::array<double, 4>& weights,
-                              const StencilCorners& start, const StencilCorners& end, Vec3& normal) const {
+  /// Whether features that touch at `hit.at` end in each other, where surfaces at them face each other; and the normal
+  /// that they have then.
+  [[nodiscard]] bool comes_in(Hit& hit, const StencilCorners& end) const {
+    const PassageStencil& stencil = hit.stencil;
+    const StencilCorners& start = hit.at;
     const bool is_node = stencil.kind == StencilKind::node_face;
-    Vec3 of_first = m_paths.normal_of(stencil, 0);
-    Vec3 of_second = area_normal({start[1], start[2], start[3]});
-    normal = of_second;
-    if (!is_node) {
+    std::array<Vec3, 2> candidates;
+    if (is_node) {
+      candidates[0] = area_normal({start[1], start[2], start[3]}).stableNormalized();
+      // On a ridge both faces are steep, and their edge looks to the node.
+      candidates[1] = Vec3::Zero();
+      for (std::size_t k = 1; k < 4; ++k) candidates[1] -= hit.weights[k] * m_paths.normal_of(stencil, k);
+      candidates[1] = candidates[1].stableNormalized();
+    } else {
       // Where an edge touches with an end, its node does.
-      if (std::abs(*std::ranges::min_element(weights, {}, [](double w) { return std::abs(w); })) < on_border)
-        return false;
-      of_first += m_paths.normal_of(stencil, 1);
-      of_second = m_paths.normal_of(stencil, 2) + m_paths.normal_of(stencil, 3);
+      if (std::ranges::any_of(hit.weights, [](double w) { return std::abs(w) < on_border; })) return false;
       const Vec3 first = (start[1] - start[0]).stableNormalized();
-      normal = first.cross((start[3] - start[2]).stableNormalized());
-      if (normal.norm() < least_angle) return false;
-      if (normal.dot(of_second - of_first) < 0) normal = -normal;
+      Vec3 across = first.cross((start[3] - start[2]).stableNormalized());
+      if (across.norm() < least_angle) return false;
+      across = across.stableNormalized();
+      const Vec3 away = m_paths.normal_of(stencil, 2) + m_paths.normal_of(stencil, 3) - m_paths.normal_of(stencil, 0) -
+                        m_paths.normal_of(stencil, 1);
+      if (across.dot(away) < 0) across = -across;
+      candidates = {across, -across};
     }
-    normal = normal.stableNormalized();
-    // On a ridge both faces are steep, and their edge looks to the node.
-    if (is_node && normal.dot(of_first) > -least_facing) {
-      normal = Vec3::Zero();
-      for (std::size_t k = 1; k < 4; ++k) normal -= weights[k] * m_paths.normal_of(stencil, k);
-      of_second = normal = normal.stableNormalized();
+    double facing = least_facing;
+    for (const Vec3& normal : candidates) {
+      // A corner's mean normal says little: at the rim of a plate the large faces outweigh what meets a wall.
+      const double both =
+          std::min(m_paths.most_facing(stencil, true, -normal), m_paths.most_facing(stencil, false, normal));
+      if (!(both > facing)) continue;
+      hit.normal = normal;
+      if (is_node) break;
+      facing = both;
     }
-    if (!(normal.dot(of_first.stableNormalized()) < -least_facing)) return false;
-    if (!(normal.dot(of_second.stableNormalized()) > least_facing)) return false;
+    if (hit.normal.isZero()) return false;
     Vec3 apart = Vec3::Zero();
-    for (std::size_t k = 0; k < 4; ++k) apart += weights[k] * end[k];
-    return normal.dot(apart) < least_share * m_gap_m;
+    for (std::size_t k = 0; k < 4; ++k) apart += hit.weights[k] * end[k];
+    return hit.normal.dot(apart) < least_share * hit.target_m - touching_share * touching_m();
   }
 
   /// Bounds in single precision leave out only what the search on exact paths would leave out, too, so that the result
@@ -341,7 +275,7 @@ class NoPassage final : public ContactStage {
     m_zones.reset(nodes + m_paths.bones());
     const std::vector<Vec3> wanted = m_proposed;
     std::vector<char> is_in(nodes, 0);
-    for (std::size_t round = 0; round < nodes && !m_hits.empty(); ++round) {
+    while (!m_hits.empty()) {
       bool has_grown = false;
       for (const Hit& hit : m_hits) has_grown = join(hit.stencil, is_in) || has_grown;
       if (!has_grown) return;  // bones alone bring these together
@@ -405,7 +339,8 @@ class NoPassage final : public ContactStage {
   }
 
   PassagePaths m_paths;
-  std::size_t m_bodies;  ///< how many
+  std::vector<Body> m_bodies;
+  LeftOut m_left_out;
   double m_gap_m;
   int m_rounds;
   std::vector<double> m_inverse_masses;
@@ -422,11 +357,6 @@ class NoPassage final : public ContactStage {
   JoinedSets m_zones;
   std::vector<int> m_changed;
   int m_hit_count = 0;
-  // By collider (bones, then muscles) and node.
-  std::vector<char> m_is_left_out;
-  std::vector<char> m_still_left_out;
-  bool m_are_left_out = false;
-  bool m_is_first = true;
 };
 
 }  // namespace

@@ -35,9 +35,9 @@ Vec3 middle_of(std::span<const Vec3> points) {
 
 }  // namespace
 
-PassagePaths::Muscle::Muscle(const TriangleMesh& mesh, const Body& body, const Vec3& origin, int levels)
+PassagePaths::Muscle::Muscle(const TriangleMesh& mesh, const Body& body, int levels)
     : tree(mesh.triangles, mesh.vertices, body.first_triangle, body.last_triangle, levels),
-      paths(tree, mesh.triangles, origin) {}
+      paths(tree, mesh.triangles) {}
 
 PassagePaths::BoneSurface::BoneSurface(const TriangleMesh& surface, int levels)
     : mesh(surface),
@@ -45,9 +45,9 @@ PassagePaths::BoneSurface::BoneSurface(const TriangleMesh& surface, int levels)
       features(surface.triangles, surface.vertices.size()),
       around(surface.triangles, surface.vertices.size()),
       tree(surface.triangles, surface.vertices, 0, surface.triangles.size(), levels),
-      still(tree, surface.triangles, origin) {
+      still(tree, surface.triangles) {
   for (const Vec3& vertex : surface.vertices) vertices.emplace_back(vertex, vertex, origin);
-  still.set(vertices);
+  still.set(vertices, origin);
   still.change({});
 }
 
@@ -59,10 +59,9 @@ PassagePaths::PassagePaths(const TriangleMesh& mesh, std::span<const Body> bodie
       m_threads(threads),
       m_features(mesh.triangles, mesh.vertices.size()),
       m_around(mesh.triangles, mesh.vertices.size()),
-      m_origin(middle_of(mesh.vertices)),
       m_vertices(mesh.vertices.size()) {
   const int levels = levels_for_all(mesh, bones);
-  for (const Body& body : m_bodies) m_muscles.emplace_back(mesh, body, m_origin, levels);
+  for (const Body& body : m_bodies) m_muscles.emplace_back(mesh, body, levels);
   for (std::size_t one = 0; one < m_muscles.size(); ++one) {
     Muscle& first = m_muscles[one];
     for (std::size_t other = one + (with_itself ? 0 : 1); other < m_muscles.size(); ++other) {
@@ -89,10 +88,11 @@ void PassagePaths::set(std::span<const Vec3> start, std::span<const Vec3> end,
                        std::span<const RigidMotion> previous_poses, std::span<const RigidMotion> poses) {
   m_start = start;
   m_end = end;
+  m_origin = middle_of(start);  // distances that are known stay what they are
   for (std::size_t node = 0; node < start.size(); ++node) {
     m_vertices[node] = VertexPath(start[node], end[node], m_origin);
   }
-  for (Muscle& muscle : m_muscles) muscle.paths.set(m_vertices);
+  for (Muscle& muscle : m_muscles) muscle.paths.set(m_vertices, m_origin);
   for (std::size_t b = 0; b < m_bones.size(); ++b) {
     for (PathsInBone& muscle : m_bones[b].muscles) muscle.set(start, end, previous_poses[b], poses[b]);
   }
@@ -190,6 +190,27 @@ Vec3 PassagePaths::normal_of(const PassageStencil& stencil, std::size_t corner) 
   }
   const Vec3 normal = m_around.normal(vertex, m_mesh.triangles, m_start);
   return stencil.bone < 0 ? normal : Vec3(paths_in(stencil.bone, vertex).from_world() * normal);
+}
+
+double PassagePaths::most_facing(const PassageStencil& stencil, bool of_first_side, const Vec3& direction) const {
+  const bool is_edge = stencil.kind == StencilKind::edge_edge;
+  const std::size_t second = is_edge ? 2 : 1;
+  const std::size_t first = of_first_side ? 0 : second;
+  const std::size_t last = is_edge ? first + 1 : (of_first_side ? second : 4);
+  double most = -1;
+  for (std::size_t k = first; k < last; ++k) {
+    const int vertex = stencil.corners[k];
+    const int other = is_edge ? stencil.corners[k + 1] : vertex;
+    if (stencil.is_of_bone(k)) {
+      const BoneSurface& bone = m_bones[at_index(stencil.bone)];
+      most = std::max(most, bone.around.most_facing(vertex, other, bone.mesh.triangles, bone.mesh.vertices, direction));
+    } else {
+      const Vec3 in_world =
+          stencil.bone < 0 ? direction : Vec3(paths_in(stencil.bone, vertex).from_world().transpose() * direction);
+      most = std::max(most, m_around.most_facing(vertex, other, m_mesh.triangles, m_start, in_world));
+    }
+  }
+  return most;
 }
 
 }  // namespace musclebench

@@ -66,10 +66,13 @@ class PassagePaths {
   [[nodiscard]] StencilCorners ends_of(const PassageStencil& stencil) const;
   /// Unit normal of a corner's surface where the paths start, in their frame.
   [[nodiscard]] Vec3 normal_of(const PassageStencil& stencil, std::size_t corner) const;
+  /// Of the triangles at a side's node or edge, or at the corners of its face, the most that a unit normal has along
+  /// `direction`, in the frame of the paths where they start.
+  [[nodiscard]] double most_facing(const PassageStencil& stencil, bool of_first_side, const Vec3& direction) const;
 
  private:
   struct Muscle {
-    Muscle(const TriangleMesh& mesh, const Body& body, const Vec3& origin, int levels);
+    Muscle(const TriangleMesh& mesh, const Body& body, int levels);
 
     TriangleTree tree;
     GivenPaths paths;
@@ -109,7 +112,7 @@ class PassagePaths {
   int m_threads;
   OwnedFeatures m_features;
   TrianglesAtVertices m_around;
-  Vec3 m_origin;
+  Vec3 m_origin = Vec3::Zero();  ///< of `m_vertices`
   std::span<const Vec3> m_start;
   std::span<const Vec3> m_end;
   std::vector<VertexPath> m_vertices;  ///< by node

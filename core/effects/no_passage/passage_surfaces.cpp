@@ -42,15 +42,32 @@ TrianglesAtVertices::TrianglesAtVertices(std::span<const Triangle> triangles, st
   }
 }
 
-Vec3 TrianglesAtVertices::normal(int vertex, std::span<const Triangle> triangles, std::span<const Vec3> at) const {
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t i = m_first[static_cast<std::size_t>(vertex)]; i < m_first[static_cast<std::size_t>(vertex) + 1];
-       ++i) {
+/// With the normals by area, not unit.
+template <typename Visit>
+void TrianglesAtVertices::for_each_normal(int vertex, std::span<const Triangle> triangles, std::span<const Vec3> at,
+                                          const Visit& visit) const {
+  const auto v = static_cast<std::size_t>(vertex);
+  for (std::size_t i = m_first[v]; i < m_first[v + 1]; ++i) {
     const auto corner = [&](std::size_t k) { return at[static_cast<std::size_t>(triangles[m_triangles[i]][k])]; };
     const Vec3 origin = corner(0);
-    sum += (corner(1) - origin).cross(corner(2) - origin);
+    visit(triangles[m_triangles[i]], Vec3((corner(1) - origin).cross(corner(2) - origin)));
   }
+}
+
+Vec3 TrianglesAtVertices::normal(int vertex, std::span<const Triangle> triangles, std::span<const Vec3> at) const {
+  Vec3 sum = Vec3::Zero();
+  for_each_normal(vertex, triangles, at, [&](const Triangle&, const Vec3& normal) { sum += normal; });
   return sum.stableNormalized();
+}
+
+double TrianglesAtVertices::most_facing(int vertex, int other, std::span<const Triangle> triangles,
+                                        std::span<const Vec3> at, const Vec3& direction) const {
+  double most = -1;
+  for_each_normal(vertex, triangles, at, [&](const Triangle& triangle, const Vec3& normal) {
+    if (std::ranges::find(triangle, other) == triangle.end()) return;
+    most = std::max(most, normal.stableNormalized().dot(direction));
+  });
+  return most;
 }
 
 }  // namespace musclebench

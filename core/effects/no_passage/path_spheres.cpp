@@ -124,7 +124,11 @@ PathSphere PathSphere::around(std::span<const int> vertices, std::span<const Ver
     spread = spread.max(squared_lengths(beside_it.transpose()));
   }
   const Vec3 centre = origin + to_vector(from);
-  return {centre, centre + to_vector(move), std::sqrt(radius.maxCoeff()), std::sqrt(spread.maxCoeff())};
+  // What single precision loses here grows with the distance from this origin, not from that of another frame.
+  const double radius_m = std::sqrt(radius.maxCoeff());
+  const double spread_m = std::sqrt(spread.maxCoeff());
+  return {centre, centre + to_vector(move), radius_m + rounding * (radius_m + from.abs().maxCoeff()),
+          spread_m + rounding * (spread_m + move.abs().maxCoeff())};
 }
 
 PathSphere PathSphere::around(std::span<const PathSphere> parts) {
@@ -239,13 +243,14 @@ void PathSpheres::set_triangles(SphereLanes& lanes, std::size_t count,
   for (std::size_t lane = count; lane < bvh_width; ++lane) clear(lanes, lane);
 }
 
-GivenPaths::GivenPaths(const TriangleTree& tree, std::span<const Triangle> triangles, const Vec3& origin)
-    : PathSpheres(tree, origin), m_triangles(triangles) {
+GivenPaths::GivenPaths(const TriangleTree& tree, std::span<const Triangle> triangles)
+    : PathSpheres(tree, Vec3::Zero()), m_triangles(triangles) {
   for (int level = 1; level <= tree.top(); ++level) m_spheres.emplace_back(tree.size(level));
 }
 
-void GivenPaths::set(std::span<const VertexPath> paths) {
+void GivenPaths::set(std::span<const VertexPath> paths, const Vec3& origin) {
   m_vertices = paths;
+  m_origin = origin;
   forget();
 }
 

@@ -122,7 +122,7 @@ class PathSpheres {
   static void set_triangles(SphereLanes& lanes, std::size_t count, const std::array<TrianglePath, bvh_width>& paths);
 
   const TriangleTree& m_tree;
-  Vec3 m_origin;
+  Vec3 m_origin;         ///< of `from` in the lanes
   unsigned m_paths = 1;  ///< counts them
 
  private:
@@ -142,10 +142,10 @@ class PathSpheres {
 /// Where the paths are given.
 class GivenPaths final : public PathSpheres {
  public:
-  GivenPaths(const TriangleTree& tree, std::span<const Triangle> triangles, const Vec3& origin);
+  GivenPaths(const TriangleTree& tree, std::span<const Triangle> triangles);
 
-  /// By vertex, relative to the origin; kept by reference.
-  void set(std::span<const VertexPath> paths);
+  /// By vertex, relative to `origin`; kept by reference.
+  void set(std::span<const VertexPath> paths, const Vec3& origin);
   /// Of a node of level 1 or more.
   [[nodiscard]] const PathSphere& sphere(int level, std::size_t node);
   [[nodiscard]] TrianglePath triangle(std::size_t triangle) const;

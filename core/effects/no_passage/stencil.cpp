@@ -156,7 +156,8 @@ double safe_share(StencilKind kind, const StencilCorners& start, const StencilCo
   StencilGap gap = gap_of(kind, start);
   double left_m = gap.distance_m - least_m;
   if (!(approach_m > 0) || approach_m < left_m) return 1;
-  if (!(left_m > 0)) return gap_of(kind, end).distance_m < gap.distance_m ? 0 : 1;
+  constexpr double hardly = 1 - 1e-9;
+  if (!(left_m > 0)) return stay_apart(kind, gap, relative_end, hardly * gap.distance_m) ? 1 : 0;
   double share = 0;
   for (int step = 0; step < most_steps; ++step) {
     if (stay_apart(kind, gap, relative_end, least_m)) return 1;

@@ -27,6 +27,9 @@ HWY_BEFORE_NAMESPACE();
 namespace musclebench::HWY_NAMESPACE {  // NOLINT: Highway's macro
 namespace {
 
+/// Of triangles as large as 1: its square is far from what single precision can't tell from 0.
+constexpr float shortest_axis = 1e-15F;
+
 struct Gaps {
   Vec above;  ///< how far the first is above the second
   Vec below;
@@ -55,7 +58,8 @@ float apart(const EightAxes& axes, const SixPoints& start, const SixPoints& end,
   for (std::size_t from = 0; from < bvh_width; from += hn::Lanes(d)) {
     const Vec3Lanes axis = load(axes.along, from);
     const Vec length = hn::Sqrt(dot(axis, axis));
-    const Vec inverse = hn::IfThenElseZero(hn::Gt(length, hn::Set(d, 1e-30F)), hn::Div(hn::Set(d, 1.0F), length));
+    const Vec inverse =
+        hn::IfThenElseZero(hn::Gt(length, hn::Set(d, shortest_axis)), hn::Div(hn::Set(d, 1.0F), length));
     const Gaps before = gaps_along(axis, start);
     const Gaps after = gaps_along(axis, end);
     most = hn::Max(most, hn::Mul(inverse, hn::Max(before.above, before.below)));
@@ -84,18 +88,28 @@ std::array<float, 3> cross(const std::array<float, 3>& a, const std::array<float
 }  // namespace
 
 ApartAlongAxes apart_along_axes(const TrianglePath& first, const TrianglePath& second, double least_m) {
-  SixPoints start;
-  SixPoints end;
+  SixPoints at_start;
+  SixPoints at_end;
   Four largest = Four::Zero();
+  Four extent = Four::Zero();
   const Four origin = first[0]->from;
   for (std::size_t k = 0; k < 6; ++k) {
     const VertexPath& of = *(k < 3 ? first : second)[k % 3];
     const Four from = of.from - origin;
     const Four to = from + of.move;
     largest = largest.max(of.from.abs()).max(to.abs());
+    extent = extent.max(from.abs()).max(to.abs());
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      start.at[k][axis] = from[static_cast<Eigen::Index>(axis)];
-      end.at[k][axis] = to[static_cast<Eigen::Index>(axis)];
+      at_start.at[k][axis] = from[static_cast<Eigen::Index>(axis)];
+      at_end.at[k][axis] = to[static_cast<Eigen::Index>(axis)];
+    }
+  }
+  // As large as 1, so that no product leaves the range of single precision.
+  const float scale_m = extent.maxCoeff();
+  if (!(scale_m > 0)) return {};
+  for (SixPoints* points : {&at_start, &at_end}) {
+    for (auto& point : points->at) {
+      for (float& coordinate : point) coordinate /= scale_m;
     }
   }
   EightAxes axes;
@@ -105,17 +119,18 @@ ApartAlongAxes apart_along_axes(const TrianglePath& first, const TrianglePath& s
   for (std::size_t side = 0; side < 2; ++side) {
     std::array<std::array<float, 3>, 3> edges;
     for (std::size_t k = 0; k < 3; ++k) {
-      for (std::size_t i = 0; i < 3; ++i) edges[k][i] = start.at[3 * side + (k + 1) % 3][i] - start.at[3 * side + k][i];
+      for (std::size_t i = 0; i < 3; ++i)
+        edges[k][i] = at_start.at[3 * side + (k + 1) % 3][i] - at_start.at[3 * side + k][i];
     }
     const std::array<float, 3> normal = cross(edges[0], edges[1]);
     set(4 * side, normal);
     for (std::size_t k = 0; k < 3; ++k) set(4 * side + 1 + k, cross(edges[k], normal));
   }
-  const float rounding_m = lane_rounding * largest.maxCoeff();
+  const float rounding_of_it = 2 * lane_rounding * largest.maxCoeff() / scale_m;
   ApartAlongAxes result;
-  const float start_m =
-      HWY_DYNAMIC_DISPATCH(apart)(axes, start, end, static_cast<float>(least_m) + rounding_m, result.stay_apart);
-  result.start_m = std::max(0.0F, start_m - rounding_m);
+  const float start = HWY_DYNAMIC_DISPATCH(apart)(
+      axes, at_start, at_end, static_cast<float>(least_m) / scale_m + rounding_of_it, result.stay_apart);
+  result.start_m = scale_m * std::max(0.0F, start - rounding_of_it);
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include <bit>
 #include <random>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -49,7 +50,7 @@ double distance(const std::array<Vec3, 3>& one, const std::array<Vec3, 3>& other
 }
 
 /// Whether triangles of these corners may be close.
-bool are_near(const Vec3& one, const Vec3& other) { return (one - other).squaredNorm() < 1; }
+bool are_near(const Vec3& one, const Vec3& other, double size_m) { return (one - other).norm() < size_m; }
 
 Points between(const Points& start, const Points& end, double share) {
   Points at;
@@ -64,41 +65,42 @@ std::vector<VertexPath> paths_of(const Points& start, const Points& end, const V
 }
 
 /// Two balls that shake and pass by each other, or one that shakes.
-class NearPairsTest : public testing::TestWithParam<bool> {};
+/// By how many surfaces there are, and how large they are, m.
+class NearPairsTest : public testing::TestWithParam<std::pair<bool, double>> {};
 
 TEST_P(NearPairsTest, NoPairThatComesCloseIsOverlooked) {
-  const bool is_itself = GetParam();
-  const TriangleMesh ball = make_sphere(1, 2);
-  const Vec3 origin(0.3, -0.2, 0.1);
+  const auto [is_itself, size_m] = GetParam();
+  const TriangleMesh ball = make_sphere(size_m, 2);
+  const Vec3 origin = size_m * Vec3(0.3, -0.2, 0.1);
   const TriangleTree tree(ball.triangles, ball.vertices, 0, ball.triangles.size());
-  GivenPaths of_first(tree, ball.triangles, origin);
-  GivenPaths of_second(tree, ball.triangles, origin);
+  GivenPaths of_first(tree, ball.triangles);
+  GivenPaths of_second(tree, ball.triangles);
   NearPairs pairs(of_first, is_itself ? of_first : of_second);
   const std::size_t triangles = ball.triangles.size();
-  constexpr double least_m = 0.02;
+  const double least_m = 0.02 * size_m;
 
   Random random;
   Points first = ball.vertices;
   Points second = ball.vertices;
-  for (Vec3& vertex : second) vertex += Vec3(2.6, 0.3, 0);
+  for (Vec3& vertex : second) vertex += size_m * Vec3(2.6, 0.3, 0);
   // Some of it always goes the same way, so that what bounds forget adds up.
   Points drift;
-  for (std::size_t v = 0; v < 2 * first.size(); ++v) drift.push_back(0.015 * random.vector());
+  for (std::size_t v = 0; v < 2 * first.size(); ++v) drift.push_back(0.015 * size_m * random.vector());
   std::size_t looked_at = 0;
   std::size_t came_close = 0;
   constexpr int steps = 20;
   for (int step = 0; step < steps; ++step) {
     Points first_end = first;
     Points second_end = second;
-    const Vec3 rush = 0.05 * random.vector();
+    const Vec3 rush = 0.05 * size_m * random.vector();
     for (std::size_t v = 0; v < first.size(); ++v) {
-      first_end[v] += rush + drift[v] + 0.002 * random.vector();
-      second_end[v] += rush + Vec3(-0.04, 0, 0) + drift[first.size() + v] + 0.002 * random.vector();
+      first_end[v] += rush + drift[v] + 0.002 * size_m * random.vector();
+      second_end[v] += rush + size_m * Vec3(-0.04, 0, 0) + drift[first.size() + v] + 0.002 * size_m * random.vector();
     }
     const std::vector<VertexPath> first_paths = paths_of(first, first_end, origin);
     const std::vector<VertexPath> second_paths = paths_of(second, second_end, origin);
-    of_first.set(first_paths);
-    of_second.set(second_paths);
+    of_first.set(first_paths, origin);
+    of_second.set(second_paths, origin);
     const Points& other = is_itself ? first : second;
     const Points& other_end = is_itself ? first_end : second_end;
 
@@ -121,7 +123,7 @@ TEST_P(NearPairsTest, NoPairThatComesCloseIsOverlooked) {
         };
         const ApartAlongAxes axes =
             apart_along_axes(path(first_paths, one), path(is_itself ? first_paths : second_paths, two), least_m);
-        EXPECT_LE(axes.start_m, apart_m + 1e-9);
+        EXPECT_LE(axes.start_m, (1 + 1e-9) * apart_m);
         if (axes.stay_apart) {
           for (const double share : {0.0, 0.5, 1.0}) {
             EXPECT_GT(distance(corners(ball, one, between(first, first_end, share)),
@@ -141,7 +143,7 @@ TEST_P(NearPairsTest, NoPairThatComesCloseIsOverlooked) {
       const Points of_other = between(other, other_end, share);
       for (std::size_t one = 0; one < triangles; ++one) {
         for (std::size_t two = is_itself ? one + 1 : 0; two < triangles; ++two) {
-          if (!are_near(corners(ball, one, at)[0], corners(ball, two, of_other)[0])) continue;
+          if (!are_near(corners(ball, one, at)[0], corners(ball, two, of_other)[0], size_m)) continue;
           if (!(distance(corners(ball, one, at), corners(ball, two, of_other)) < least_m)) continue;
           ++came_close;
           ASSERT_TRUE(found.contains({one, two})) << "step " << step << ", triangles " << one << " and " << two;
@@ -158,8 +160,72 @@ TEST_P(NearPairsTest, NoPairThatComesCloseIsOverlooked) {
   EXPECT_LT(looked_at, all * steps / 10) << "it remembers nothing";
 }
 
-INSTANTIATE_TEST_SUITE_P(Surfaces, NearPairsTest, testing::Bool(),
-                         [](const auto& surfaces) { return surfaces.param ? "Itself" : "TwoSurfaces"; });
+INSTANTIATE_TEST_SUITE_P(Surfaces, NearPairsTest,
+                         testing::Values(std::pair(true, 1.0), std::pair(false, 1.0), std::pair(false, 1e-6)),
+                         [](const auto& of) {
+                           return std::string(of.param.first ? "Itself" : "Two") + (of.param.second < 1 ? "Small" : "");
+                         });
+
+TEST(NearPairs, AFlightLeavesNothingOpen) {
+  const TriangleMesh ball = make_sphere(1, 3);
+  const TriangleTree tree(ball.triangles, ball.vertices, 0, ball.triangles.size());
+  GivenPaths first(tree, ball.triangles);
+  GivenPaths second(tree, ball.triangles);
+  NearPairs pairs(first, second);
+  Points far = ball.vertices;
+  for (Vec3& vertex : far) vertex += Vec3(100, 0, 0);
+  const auto step = [&](const Points& from, const Points& to) {
+    const std::vector<VertexPath> still = paths_of(ball.vertices, ball.vertices, Vec3::Zero());
+    const std::vector<VertexPath> flying = paths_of(from, to, Vec3::Zero());
+    first.set(still, Vec3::Zero());
+    second.set(flying, Vec3::Zero());
+    pairs.find(1e-3);
+    pairs.tell();
+    pairs.move_on();
+    return pairs.bytes();
+  };
+  Points scattered = far;
+  Random random;
+  for (Vec3& vertex : scattered) vertex += Vec3(-100, 0, 0) + 100 * random.vector();
+  const std::size_t before = step(far, far);
+  const std::size_t open = step(far, scattered);
+  std::size_t after = 0;
+  for (int level = 0; level <= tree.top(); ++level) after = step(far, far);  // one more closes in each step
+  EXPECT_GT(open, 100 * before);
+  EXPECT_LT(after, 20 * before);
+}
+
+/// Slivers and specks have axes whose squared lengths single precision can't tell from 0.
+TEST(TriangleAxes, TellNoMoreThanTheDistance) {
+  Random random;
+  for (const double size_m : {1.0, 1e-3, 1e-6, 1e-8}) {
+    for (const double thin : {1.0, 1e-3, 1e-6}) {
+      for (int i = 0; i < 2000; ++i) {
+        std::array<std::array<Vec3, 3>, 2> triangles;
+        for (auto& triangle : triangles) {
+          const Vec3 along = size_m * random.vector();
+          triangle[0] = size_m * random.vector();
+          triangle[1] = triangle[0] + along;
+          triangle[2] = triangle[0] + random.number() * along + thin * size_m * random.vector();
+        }
+        std::array<std::array<VertexPath, 3>, 2> paths;
+        for (std::size_t side = 0; side < 2; ++side) {
+          for (std::size_t k = 0; k < 3; ++k) {
+            paths[side][k] = VertexPath(triangles[side][k], triangles[side][k], Vec3::Zero());
+          }
+        }
+        const auto path = [&](std::size_t side) {
+          return TrianglePath{&paths[side][0], &paths[side][1], &paths[side][2]};
+        };
+        const double apart_m = distance(triangles[0], triangles[1]);
+        const double least_m = 0.1 * size_m;
+        const ApartAlongAxes axes = apart_along_axes(path(0), path(1), least_m);
+        ASSERT_LE(axes.start_m, apart_m) << size_m << ", " << thin;
+        ASSERT_TRUE(!axes.stay_apart || apart_m > least_m) << size_m << ", " << thin;
+      }
+    }
+  }
+}
 
 }  // namespace
 }  // namespace musclebench

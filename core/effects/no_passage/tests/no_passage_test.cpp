@@ -226,5 +226,77 @@ TEST_F(NoPassageTest, NodesThatRestOnTheBoneAreKeptOnIt) {
   EXPECT_EQ(crossings(proposed, m_rest), 0);
 }
 
+TEST_F(NoPassageTest, WhatBeginsInsideMayLeaveAndThenStaysOut) {
+  m_rest.translation_m = Vec3(-1.13, 0.07, -1.2);  // more than half of the left ball is in it, whole triangles of it
+  std::vector<Vec3> start = m_mesh.vertices;
+  const std::vector<RigidMotion> poses{m_rest};
+  ASSERT_GT(crossings(start, m_rest), 0);
+  const auto guard = stage();
+  const auto move_left_ball = [&](const Vec3& by) {
+    std::vector<Vec3> proposed = start;
+    for (std::size_t node = 0; node < start.size(); ++node) {
+      if (m_bodies[0].has_node(static_cast<int>(node))) proposed[node] += by;
+    }
+    const std::vector<Vec3> wanted = proposed;
+    (void)guard->before_bones({start, proposed, {}, poses, poses, {}});
+    (void)guard->end_substep({start, proposed, {}, poses, poses, {}});
+    start = proposed;
+    return proposed == wanted;
+  };
+  for (int step = 0; step < 6; ++step) EXPECT_TRUE(move_left_ball(Vec3(0.01, 0.02, 0.25))) << step;
+  ASSERT_EQ(crossings(start, m_rest), 0);
+  EXPECT_FALSE(move_left_ball(Vec3(0, 0, -1.5)));
+  EXPECT_EQ(crossings(start, m_rest), 0);
+}
+
+/// Two triangles that intersect may have features that are all apart: an edge goes through the inside of a face.
+TEST_F(NoPassageTest, LargeTrianglesMayLeaveWhatTheyGoThrough) {
+  m_bones.assign(1, Bone{"block", {.mesh = make_box(Vec3(1, 1, 1), 1), .clean = true, .changes = {}}});
+  m_mesh = make_box(Vec3(0.3, 0.3, 1), 1);
+  m_bodies = {Body{"post", 0, static_cast<int>(m_mesh.vertices.size()), 0, m_mesh.triangles.size()}};
+  m_masses.assign(m_mesh.vertices.size(), 1);
+  m_rest.translation_m = Vec3(0.13, 0.07, -1);
+  std::vector<Vec3> start = m_mesh.vertices;
+  const std::vector<RigidMotion> poses{m_rest};
+  const auto guard = stage();
+  for (int step = 0; step < 60; ++step) {
+    std::vector<Vec3> proposed = start;
+    for (Vec3& node : proposed) node += Vec3(0.001, 0, 0.02);
+    const std::vector<Vec3> wanted = proposed;
+    (void)guard->before_bones({start, proposed, {}, poses, poses, {}});
+    (void)guard->end_substep({start, proposed, {}, poses, poses, {}});
+    EXPECT_EQ(proposed, wanted) << step;
+    start = proposed;
+  }
+}
+
+/// Normals at the rim of a plate are those of its large faces, and say nothing of what its narrow side meets.
+TEST_F(NoPassageTest, ANarrowSideIsHeldByAWall) {
+  m_bones.assign(1, Bone{"wall", {.mesh = make_box(Vec3(1, 5, 5), 1), .clean = true, .changes = {}}});
+  for (const double thickness : {0.4, 0.02}) {
+    for (const double gap_share : {0.0, 0.1}) {
+      m_mesh = make_box(Vec3(1, 1, thickness), 3);
+      m_bodies = {Body{"plate", 0, static_cast<int>(m_mesh.vertices.size()), 0, m_mesh.triangles.size()}};
+      m_masses.assign(m_mesh.vertices.size(), 1);
+      m_rest.translation_m = Vec3(2 + 1e-3 * gap_share, 0.1, 0.05);
+      std::vector<Vec3> start = m_mesh.vertices;
+      const std::vector<RigidMotion> poses{m_rest};
+      const auto guard = stage();
+      double step_m = 0.75e-3 * gap_share;  // at first closer and closer
+      for (int step = 0; step < 20; ++step) {
+        std::vector<Vec3> proposed = start;
+        for (Vec3& node : proposed) node.x() += step < 8 ? step_m : 0.01;
+        step_m *= 0.25;
+        (void)guard->before_bones({start, proposed, {}, poses, poses, {}});
+        (void)guard->end_substep({start, proposed, {}, poses, poses, {}});
+        start = proposed;
+      }
+      double farthest_m = 0;
+      for (const Vec3& node : start) farthest_m = std::max(farthest_m, node.x() - m_rest.translation_m.x() + 1);
+      EXPECT_LT(farthest_m, 1e-9) << thickness << " thick, from " << gap_share << " of the gap";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace musclebench

@@ -74,14 +74,14 @@ class PathSpheresTest : public testing::Test {
 };
 
 TEST_F(PathSpheresTest, HoldTheirVerticesAndHowTheyMove) {
-  GivenPaths spheres(m_tree, m_ball.triangles, m_origin);
-  spheres.set(m_paths);
+  GivenPaths spheres(m_tree, m_ball.triangles);
+  spheres.set(m_paths, m_origin);
   expect_bounds(spheres, m_start, m_end, m_origin);
 }
 
 TEST_F(PathSpheresTest, HoldThemInABoneThatTurns) {
-  GivenPaths given(m_tree, m_ball.triangles, m_origin);
-  given.set(m_paths);
+  GivenPaths given(m_tree, m_ball.triangles);
+  given.set(m_paths, m_origin);
   const RigidMotion from = RigidMotion::about_axis(Vec3(1, 2, 2) / 3, Vec3(0, 1, 0), 0.4);
   const RigidMotion to = RigidMotion::about_axis(Vec3(2, -1, 2) / 3, Vec3(0.1, 0.9, 0), 0.9) * from;
   const Vec3 origin(-0.5, 1, 0);
@@ -96,8 +96,8 @@ TEST_F(PathSpheresTest, HoldThemInABoneThatTurns) {
 }
 
 TEST_F(PathSpheresTest, AreMadeAnewWhereVerticesMovedAgain) {
-  GivenPaths spheres(m_tree, m_ball.triangles, m_origin);
-  spheres.set(m_paths);
+  GivenPaths spheres(m_tree, m_ball.triangles);
+  spheres.set(m_paths, m_origin);
   expect_bounds(spheres, m_start, m_end, m_origin);
   EXPECT_TRUE(spheres.is_changed(1, 0));
   const std::vector<int> moved{3, 50, 51};
@@ -119,8 +119,8 @@ TEST_F(PathSpheresTest, AreMadeAnewWhereVerticesMovedAgain) {
 }
 
 TEST_F(PathSpheresTest, WhatTheBoneCarriesIsNowhere) {
-  GivenPaths given(m_tree, m_ball.triangles, m_origin);
-  given.set(m_paths);
+  GivenPaths given(m_tree, m_ball.triangles);
+  given.set(m_paths, m_origin);
   std::vector<char> is_carried(m_start.size(), 0);
   for (const int vertex : m_tree.vertices(1, 2)) is_carried[static_cast<std::size_t>(vertex)] = 1;
   PathsInBone in_bone(given, m_ball.triangles, is_carried, 0, m_start.size(), Vec3::Zero());
