@@ -1,5 +1,7 @@
 #include "core/effects/no_passage/triangle_axes.hpp"
 
+#include <limits>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "core/effects/no_passage/triangle_axes.cpp"
 #include <hwy/foreach_target.h>
@@ -14,7 +16,7 @@ namespace musclebench {
 
 /// Corners of two triangles, in single precision.
 struct SixPoints {
-  std::array<std::array<float, 3>, 6> at;
+  std::array<std::array<float, 4>, 6> at;  ///< the last number is not used
 };
 struct alignas(32) EightAxes {
   std::array<BvhLanes, 3> along;
@@ -36,7 +38,9 @@ struct Gaps {
 };
 
 HWY_INLINE Gaps gaps_along(const Vec3Lanes& axis, const SixPoints& points) {
-  const auto along = [&](std::size_t k) HWY_ATTR { return dot(axis, splat(points.at[k])); };
+  const auto along = [&](std::size_t k) HWY_ATTR {
+    return dot(axis, splat({points.at[k][0], points.at[k][1], points.at[k][2]}));
+  };
   const Vec a = along(0);
   const Vec b = along(1);
   const Vec c = along(2);
@@ -88,29 +92,26 @@ std::array<float, 3> cross(const std::array<float, 3>& a, const std::array<float
 }  // namespace
 
 ApartAlongAxes apart_along_axes(const TrianglePath& first, const TrianglePath& second, double least_m) {
-  SixPoints at_start;
-  SixPoints at_end;
+  std::array<Four, 6> from;
+  std::array<Four, 6> to;
   Four largest = Four::Zero();
   Four extent = Four::Zero();
-  const Four origin = first[0]->from;
   for (std::size_t k = 0; k < 6; ++k) {
     const VertexPath& of = *(k < 3 ? first : second)[k % 3];
-    const Four from = of.from - origin;
-    const Four to = from + of.move;
-    largest = largest.max(of.from.abs()).max(to.abs());
-    extent = extent.max(from.abs()).max(to.abs());
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      at_start.at[k][axis] = from[static_cast<Eigen::Index>(axis)];
-      at_end.at[k][axis] = to[static_cast<Eigen::Index>(axis)];
-    }
+    from[k] = of.from - first[0]->from;
+    to[k] = from[k] + of.move;
+    extent = extent.max(from[k].abs()).max(to[k].abs());
+    largest = largest.max(of.from.abs());
   }
   // As large as 1, so that no product leaves the range of single precision.
   const float scale_m = extent.maxCoeff();
-  if (!(scale_m > 0)) return {};
-  for (SixPoints* points : {&at_start, &at_end}) {
-    for (auto& point : points->at) {
-      for (float& coordinate : point) coordinate /= scale_m;
-    }
+  if (!(scale_m > std::numeric_limits<float>::min())) return {};
+  const float to_one = 1 / scale_m;
+  SixPoints at_start;
+  SixPoints at_end;
+  for (std::size_t k = 0; k < 6; ++k) {
+    Eigen::Map<Four>(at_start.at[k].data()) = to_one * from[k];
+    Eigen::Map<Four>(at_end.at[k].data()) = to_one * to[k];
   }
   EightAxes axes;
   const auto set = [&](std::size_t lane, const std::array<float, 3>& axis) {
@@ -126,10 +127,10 @@ ApartAlongAxes apart_along_axes(const TrianglePath& first, const TrianglePath& s
     set(4 * side, normal);
     for (std::size_t k = 0; k < 3; ++k) set(4 * side + 1 + k, cross(edges[k], normal));
   }
-  const float rounding_of_it = 2 * lane_rounding * largest.maxCoeff() / scale_m;
+  const float rounding_of_it = 2 * lane_rounding * (1 + to_one * largest.maxCoeff());
   ApartAlongAxes result;
   const float start = HWY_DYNAMIC_DISPATCH(apart)(
-      axes, at_start, at_end, static_cast<float>(least_m) / scale_m + rounding_of_it, result.stay_apart);
+      axes, at_start, at_end, to_one * static_cast<float>(least_m) + rounding_of_it, result.stay_apart);
   result.start_m = scale_m * std::max(0.0F, start - rounding_of_it);
   return result;
 }
