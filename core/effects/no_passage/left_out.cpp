@@ -26,6 +26,8 @@ void LeftOut::update(std::span<const Vec3> at, std::span<const RigidMotion> pose
   const std::vector<char> intersects = intersecting(is_first);
   m_is_still_out = intersects;
   for (std::size_t collider = 0; collider < m_bones.size() + m_bodies.size(); ++collider) {
+    const auto out = std::span(m_is_out).subspan(collider * nodes(), nodes());
+    if (!is_first && std::ranges::find(out, 1) == out.end()) continue;
     add_enclosed(collider, intersects, is_first, at, poses);
   }
   m_is_out.swap(m_is_still_out);

@@ -11,8 +11,8 @@
 
 namespace musclebench {
 
-/// A node of one tree and a node of another one, with how far apart each two of their children are at least where the
-/// paths start.
+/// A node of one tree and a node of another one, of the same level from 1 on, with how far apart each two of their
+/// children are at least where the paths start, m.
 struct NearBlock {
   std::size_t first = 0;
   std::size_t second = 0;

@@ -103,6 +103,7 @@ class NoPassage final : public ContactStage {
 
  private:
   [[nodiscard]] const Triangle& triangle(std::size_t t) const { return m_paths.mesh().triangles[t]; }
+
   /// Whether any features come too close on their paths to `m_proposed`, of triangles with a node that moved.
   bool find_hits() {
     for (auto& part : m_hits_of_parts) part.clear();

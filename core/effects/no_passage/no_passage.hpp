@@ -21,8 +21,8 @@ namespace musclebench {
 /// What a step has to look at, `NearPairs` tells from the distances that earlier steps measured.
 ///
 /// Left out, as no choice of positions can prevent them: faces of which a node is bound to the bone, and features that
-/// only bones move. What intersects a collider as the run begins is left out until it is free of it. Where bones close
-/// on a zone from two sides, it follows the first of them.
+/// only bones move. What intersects a collider as the run begins, or lies inside it, is left out until it is free of it
+/// (`LeftOut`). Where bones close on a zone from two sides, it follows the first of them.
 std::unique_ptr<ContactStage> make_no_passage(const StageInput& input, const Parameters& parameters);
 std::vector<ParameterSpec> no_passage_parameters();
 

@@ -153,33 +153,25 @@ PassagePaths::Corners PassagePaths::corners_of_other(int bone, std::size_t trian
 }
 
 StencilCorners PassagePaths::starts_of(const PassageStencil& stencil) const {
-  StencilCorners starts;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const int corner = stencil.corners[k];
-    if (stencil.bone < 0) {
-      starts[k] = m_start[at_index(corner)];
-    } else {
-      const BoneSurface& bone = m_bones[at_index(stencil.bone)];
-      starts[k] =
-          stencil.is_of_bone(k) ? bone.mesh.vertices[at_index(corner)] : paths_in(stencil.bone, corner).start(corner);
-    }
-  }
-  return starts;
+  return corners_of(stencil, m_start, &PathsInBone::start);
 }
 
 StencilCorners PassagePaths::ends_of(const PassageStencil& stencil) const {
-  StencilCorners ends;
+  return corners_of(stencil, m_end, &PathsInBone::end);
+}
+
+StencilCorners PassagePaths::corners_of(const PassageStencil& stencil, std::span<const Vec3> in_world,
+                                        Vec3 (PathsInBone::*in_bone)(int) const) const {
+  StencilCorners corners;
   for (std::size_t k = 0; k < 4; ++k) {
     const int corner = stencil.corners[k];
-    if (stencil.bone < 0) {
-      ends[k] = m_end[at_index(corner)];
+    if (stencil.is_of_bone(k)) {
+      corners[k] = m_bones[at_index(stencil.bone)].mesh.vertices[at_index(corner)];
     } else {
-      const BoneSurface& bone = m_bones[at_index(stencil.bone)];
-      ends[k] =
-          stencil.is_of_bone(k) ? bone.mesh.vertices[at_index(corner)] : paths_in(stencil.bone, corner).end(corner);
+      corners[k] = stencil.bone < 0 ? in_world[at_index(corner)] : (paths_in(stencil.bone, corner).*in_bone)(corner);
     }
   }
-  return ends;
+  return corners;
 }
 
 Vec3 PassagePaths::normal_of(const PassageStencil& stencil, std::size_t corner) const {

@@ -105,6 +105,9 @@ class PassagePaths {
     return m_bones[static_cast<std::size_t>(bone)].muscles[body_of(m_bodies, node)];
   }
   [[nodiscard]] bool is_held(const PassageStencil& stencil) const;
+  /// In the frame of the stencil's paths.
+  [[nodiscard]] StencilCorners corners_of(const PassageStencil& stencil, std::span<const Vec3> in_world,
+                                          Vec3 (PathsInBone::*in_bone)(int) const) const;
 
   const TriangleMesh& m_mesh;
   std::vector<Body> m_bodies;

@@ -18,7 +18,8 @@ namespace musclebench {
 /// above each other. Nodes of a level are numbered by place; the children of node n are 8 n to 8 n + 7.
 class TriangleTree {
  public:
-  /// Over the triangles from `first` to before `last`. `levels`: without triangles, at least; 2 or more.
+  /// Over the triangles from `first` to before `last`; `at`: positions of all vertices. `levels`: at least so many
+  /// above the triangles; 2 or more.
   TriangleTree(std::span<const Triangle> triangles, std::span<const Vec3> at, std::size_t first, std::size_t last,
                int levels = 2);
 
