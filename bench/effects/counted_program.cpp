@@ -7,10 +7,11 @@
 #include <fstream>
 #include <sstream>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include "core/base/temporary_folder.hpp"
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define MUSCLEBENCH_SANITIZED_TEST
@@ -50,8 +51,8 @@ std::string why_not_counted() {
 }
 
 Counted count_instructions(const std::string& command, const std::string& effect) {
-  // Tests run side by side.
-  const auto file = std::filesystem::temp_directory_path() / fmt::format("musclebench_instructions_{}", getpid());
+  const TemporaryFolder folder;
+  const auto file = folder / "instructions";
   const Answer answer =
       call(fmt::format("valgrind --tool=callgrind --callgrind-out-file='{}' --collect-atstart=no "
                        "--toggle-collect='*counted_run*' {}",
@@ -66,7 +67,6 @@ Counted count_instructions(const std::string& command, const std::string& effect
     counted.calls_effect |= !effect.empty() && (line.find(fmt::format("::make_{}(", effect)) != std::string::npos ||
                                                 line.find(fmt::format("::set_{}(", effect)) != std::string::npos);
   }
-  std::filesystem::remove(file);
   EXPECT_GT(counted.instructions, 1e5) << answer.text;
   return counted;
 }

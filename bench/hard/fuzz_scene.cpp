@@ -17,6 +17,7 @@
 #include "core/base/input_error.hpp"
 #include "core/base/portable_math.hpp"
 #include "core/base/random_numbers.hpp"
+#include "core/base/temporary_folder.hpp"
 #include "core/effects/effect_registry.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/mesh_files/read_mesh.hpp"
@@ -273,23 +274,15 @@ class TemporaryTables {
   explicit TemporaryTables(const FuzzScene& scene) {
     const std::map<std::string, std::string> tables = tables_of(scene);
     if (tables.empty()) return;
-    std::string name = (std::filesystem::temp_directory_path() / "musclebench_fuzz_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw InputError(name, "can't be made for the tables of motion");
-    m_folder = name;
+    m_folder.emplace();
     for (const auto& [bone, text] : tables) {
-      write_atomically(m_folder / (bone + ".mot"), [&text = text](std::ostream& out) { out << text; });
+      write_atomically(*m_folder / (bone + ".mot"), [&text = text](std::ostream& out) { out << text; });
     }
   }
-  TemporaryTables(const TemporaryTables&) = delete;
-  TemporaryTables& operator=(const TemporaryTables&) = delete;
-  ~TemporaryTables() {
-    std::error_code ignored;
-    if (!m_folder.empty()) std::filesystem::remove_all(m_folder, ignored);
-  }
-  [[nodiscard]] std::string prefix() const { return m_folder.empty() ? "" : m_folder.string() + "/"; }
+  [[nodiscard]] std::string prefix() const { return m_folder ? m_folder->path().string() + "/" : ""; }
 
  private:
-  std::filesystem::path m_folder;
+  std::optional<TemporaryFolder> m_folder;
 };
 
 std::string attachment_text(const FuzzScene& scene, std::size_t index) {

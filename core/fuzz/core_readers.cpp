@@ -13,6 +13,7 @@
 
 #include "core/base/input_error.hpp"
 #include "core/base/sha256.hpp"
+#include "core/base/temporary_folder.hpp"
 #include "core/fuzz/fuzzed_reader.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/mesh_files/read_mesh.hpp"
@@ -34,24 +35,17 @@ void read_stl_bytes(std::string_view bytes) { (void)read_mesh(TemporaryFile(byte
 /// What a scene may name: walk.mot, landmarks.json and ball.ply.
 class SceneFolder {
  public:
-  SceneFolder() : m_path(std::filesystem::temp_directory_path() / fmt::format("musclebench-fuzz-{}", getpid())) {
-    std::filesystem::create_directories(m_path);
-    std::ofstream(m_path / "walk.mot") << "endheader\ntime hip\n0 0\n1 60\n";
-    std::ofstream(m_path / "landmarks.json")
+  SceneFolder() {
+    std::ofstream(m_folder / "walk.mot") << "endheader\ntime hip\n0 0\n1 60\n";
+    std::ofstream(m_folder / "landmarks.json")
         << R"({"attachments": [{"muscle": "m", "role": "origin", "points_m": [[0, 0, 0], [0.03, 0, 0], [0, 0.03, 0]]}],
                "fibres": [{"muscle": "m", "polylines_m": [[[0, 0, 0], [0, 0, 0.01]]]}]})";
-    write_ply(make_sphere(0.02, 1), m_path / "ball.ply");
+    write_ply(make_sphere(0.02, 1), m_folder / "ball.ply");
   }
-  SceneFolder(const SceneFolder&) = delete;
-  SceneFolder& operator=(const SceneFolder&) = delete;
-  ~SceneFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(m_path, ignored);
-  }
-  [[nodiscard]] const std::filesystem::path& path() const { return m_path; }
+  [[nodiscard]] const std::filesystem::path& path() const { return m_folder.path(); }
 
  private:
-  std::filesystem::path m_path;
+  TemporaryFolder m_folder;
 };
 
 /// Every synthetic mesh that it names is a small ball. That of "n" lies beside the others: two muscles have two meshes.

@@ -9,6 +9,7 @@
 #include "backends/sdf/sdf_backend.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/random_numbers.hpp"
+#include "core/base/temporary_folder.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/signed_distance/signed_surface.hpp"
 
@@ -121,9 +122,8 @@ TEST(OctreeFieldSource, CacheAndThreadsChangeNoContact) {
 }
 
 TEST(OctreeFieldSource, FindsItsFieldsAgain) {
-  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "octree_backend_test";
-  std::filesystem::remove_all(folder);
-  const Given given{{"structures", folder.string()}};
+  const TemporaryFolder folder;
+  const Given given{{"structures", folder.path().string()}};
   for (const bool again : {false, true}) {
     const auto backend = make_adaptive(given);
     backend->build(bones(), {}, 1);
@@ -132,7 +132,6 @@ TEST(OctreeFieldSource, FindsItsFieldsAgain) {
   }
   EXPECT_TRUE(
       std::filesystem::exists(folder / content_address("0.5mm", surface_digest(bones().front().surface), "octree")));
-  std::filesystem::remove_all(folder);
 }
 
 TEST(OctreeFieldSource, RefusesCellsOfOneSizeBesideAnError) {

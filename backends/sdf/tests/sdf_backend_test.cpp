@@ -13,6 +13,7 @@
 
 #include "backends/sdf/files/kept_fields.hpp"
 #include "core/base/input_error.hpp"
+#include "core/base/temporary_folder.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/mesh/tests/random_points.hpp"
 
@@ -286,10 +287,9 @@ TEST(SdfBackend, RefusesWhatAnotherParameterMakesMeaningless) {
 }
 
 TEST(SdfBackend, KeepsItsStructuresAndChecksThem) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "sdf_backend_structures";
-  std::filesystem::remove_all(folder);
+  const TemporaryFolder folder;
   const std::vector<Bone> bones = two_bones();
-  const Given given{{"cells", std::int64_t{8}}, {"structures", folder.string()}};
+  const Given given{{"cells", std::int64_t{8}}, {"structures", folder.path().string()}};
   const std::vector<Vec3> positions = random_points(0.12, 500, 21);
   std::vector<std::vector<Contact>> answers;
   for (int run = 0; run < 2; ++run) {
@@ -309,19 +309,17 @@ TEST(SdfBackend, KeepsItsStructuresAndChecksThem) {
   ASSERT_TRUE(std::filesystem::exists(kept));
   std::ofstream(kept) << "rubbish";
   EXPECT_THROW(make_grid(given)->build(bones, {}, 1), InputError);
-  std::filesystem::remove_all(folder);
 }
 
 TEST(SdfBackend, KeepsMarginsApartAndSharesFieldsByTheirContent) {
-  const auto folder = std::filesystem::path(testing::TempDir()) / "sdf_backend_names";
-  std::filesystem::remove_all(folder);
+  const TemporaryFolder folder;
   for (const Given& kind : {Given{{"cells", std::int64_t{4}}}, Given{{"max_error_mm", 5.0}}}) {
     bool is_kept = false;
     for (const char* name : {"hip-1", "hip_1", "../hip"}) {
       for (const double margin : {1e-3, 0.05, 0.2}) {
         Given given = kind;
         given["margin"] = margin;
-        given["structures"] = folder.string();
+        given["structures"] = folder.path().string();
         const auto backend = make_grid(given);
         backend->build(std::vector<Bone>{{name, {make_sphere(0.1, 2), true, {}}}}, {}, 1);
         EXPECT_EQ(backend->structure_origin().is_from_file, is_kept) << name << ", " << margin;
@@ -330,9 +328,9 @@ TEST(SdfBackend, KeepsMarginsApartAndSharesFieldsByTheirContent) {
       is_kept = true;
     }
   }
-  const auto files = std::distance(std::filesystem::directory_iterator(folder), std::filesystem::directory_iterator());
+  const auto files =
+      std::distance(std::filesystem::directory_iterator(folder.path()), std::filesystem::directory_iterator());
   EXPECT_EQ(files, 12) << "a field and its note for each of two kinds and three margins";
-  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "backends/registry.hpp"
+#include "core/base/temporary_folder.hpp"
 #include "core/effects/effect_registry.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/recording/recording_reader.hpp"
@@ -45,12 +46,12 @@ struct Recorded {
   std::unique_ptr<CollisionBackend> backend;
   PreparedSimulation prepared;
   RecordingHeader header;
-  fs::path file;
+  TemporaryFolder folder;
+  fs::path file = folder / "recording";
   std::string lost;
   int frames_reported = 0;
 
-  Recorded(double acceleration_m_per_s2, const std::string& name)
-      : scene(falling_ball(acceleration_m_per_s2)), file(fs::path(testing::TempDir()) / (name + ".recording")) {
+  explicit Recorded(double acceleration_m_per_s2) : scene(falling_ball(acceleration_m_per_s2)) {
     const BackendEntry& entry = find_backend("null");
     backend = entry.make(Parameters(entry.parameters, {}, "test"));
     backend->build(scene.bones, scene.muscle_mesh, 1);
@@ -77,7 +78,7 @@ struct Recorded {
 };
 
 TEST(RecordFrames, EveryStepOfEveryFrameReadsBack) {
-  Recorded recorded(9.81, "every_step_reads_back");
+  Recorded recorded(9.81);
   recorded.write(true);
   EXPECT_EQ(recorded.lost, "");
   EXPECT_EQ(recorded.frames_reported, frame_count);
@@ -98,7 +99,7 @@ TEST(RecordFrames, EveryStepOfEveryFrameReadsBack) {
 }
 
 TEST(RecordFrames, ARunThatBlowsUpSaysWhereAndLeavesNothing) {
-  Recorded recorded(1e6, "blows_up");
+  Recorded recorded(1e6);
   recorded.write(false);
   EXPECT_EQ(recorded.lost.rfind("frame ", 0), 0U) << recorded.lost;
   EXPECT_LT(recorded.frames_reported, frame_count);

@@ -15,6 +15,7 @@
 
 #include "bench/cases/tests/pressed_ball.hpp"
 #include "bench/process/exit_code.hpp"
+#include "core/base/temporary_folder.hpp"
 #include "core/mesh_files/read_mesh.hpp"
 
 namespace musclebench {
@@ -55,13 +56,11 @@ Done call(std::vector<std::string> arguments) {
 class CommandLine : public testing::Test {
  protected:
   void SetUp() override {
-    fs::create_directories(m_folder);
     for (const char* name : {"plate", "rod", "ball"}) {
       write_ply(pressed_ball_mesh(name), m_folder / fmt::format("{}.ply", name));
     }
     write_scene(loop);
   }
-  void TearDown() override { fs::remove_all(m_folder); }
 
   void write_scene(const std::string& more) const {
     std::string text = plate_and_rod(-30) + one_ball + foot_of_ball + more;
@@ -87,7 +86,7 @@ class CommandLine : public testing::Test {
   }
 
   static constexpr const char* loop = "[loop]\nframes = 2\nsubsteps = 2\n[effects.edge_length]\n[effects.attachment]\n";
-  fs::path m_folder = fs::temp_directory_path() / fmt::format("musclebench_command_line_{}", getpid());
+  TemporaryFolder m_folder;
 };
 
 TEST_F(CommandLine, WithoutACommandIsRefused) {

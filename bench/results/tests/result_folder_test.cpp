@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
+#include "core/base/temporary_folder.hpp"
 
 namespace musclebench {
 namespace {
@@ -38,9 +39,7 @@ class OtherRun {
 };
 
 TEST(ResultFolder, IsMadeWhileAnotherRunTakesItsEmptyParentsAway) {
-  const fs::path root = fs::path(testing::TempDir()) / "musclebench_shared_parents";
-  fs::remove_all(root);
-  fs::create_directories(root);
+  const TemporaryFolder root;
   const fs::path folder = root / "new" / "x" / "r1";
   int failures = 0;
   {
@@ -57,7 +56,6 @@ TEST(ResultFolder, IsMadeWhileAnotherRunTakesItsEmptyParentsAway) {
     }
   }
   EXPECT_EQ(failures, 0);
-  fs::remove_all(root);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "bench/results/replay_output.hpp"
 #include "bench/results/run_output.hpp"
 #include "bench/results/tests/small_run.hpp"
+#include "core/base/temporary_folder.hpp"
 #include "core/scene/prepare_simulation.hpp"
 
 namespace musclebench {
@@ -151,7 +152,7 @@ TEST(ResultsSchema, HoldsForARun) {
     EXPECT_EQ(touching.contacts, record.muscle_contacts);
   }
   EXPECT_GT(result.records.front().pairs.back().detect_ns, 0);
-  const TemporaryFolder folder("schema_run");
+  const TemporaryFolder folder;
   write_run(folder.path() / "out", run, result);
   EXPECT_EQ(header_of(folder.path() / "out" / "frames.csv"),
             names_in(results_schema_json()["run"], result.effect_names, result.stage_names));
@@ -176,7 +177,7 @@ TEST(ResultsSchema, HoldsForAReplay) {
   }
   const ReplayCase replay{static_cast<const Case&>(run)};
   const ReplayResult result = replay_case(replay, frames, [](int) {});
-  const TemporaryFolder folder("schema_replay");
+  const TemporaryFolder folder;
   write_replay(folder.path() / "out", replay, result, frames.header(), "kept.recording");
   EXPECT_EQ(header_of(folder.path() / "out" / "frames.csv"), names_in(results_schema_json()["replay"]));
   EXPECT_EQ(header_of(folder.path() / "out" / "muscles.csv"), names_in(results_schema_json()["replay_muscles"]));
@@ -188,7 +189,7 @@ TEST(ResultsSchema, HoldsForAProbe) {
   const Scene scene = scene_of_two();
   const ProbeCase what{static_cast<const Case&>(approximate_case(scene)), 100};
   const ProbeResult result = probe(what, [](int) {});
-  const TemporaryFolder folder("schema_probe");
+  const TemporaryFolder folder;
   write_probe(folder.path() / "out", what, result);
   EXPECT_EQ(header_of(folder.path() / "out" / "probe.csv"), names_in(results_schema_json()["probe"]));
   expect_schema(manifest_in(folder.path() / "out"), ResultKind::probe);

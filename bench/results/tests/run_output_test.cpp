@@ -9,6 +9,7 @@
 
 #include "bench/results/result_folder.hpp"
 #include "bench/results/tests/small_run.hpp"
+#include "core/base/temporary_folder.hpp"
 
 namespace musclebench {
 namespace {
@@ -17,7 +18,7 @@ TEST(RunOutput, ASuspectRunIsComplete) {
   const Scene scene = plain_scene();
   const RunCase run = case_of(scene, "null");
   RunResult result = result_of(run);
-  const TemporaryFolder folder("run_output");
+  const TemporaryFolder folder;
   const std::filesystem::path out = folder.path() / "out";
   for (const char* status : {"ok", "suspect", "diverged"}) {
     result.status = status;
@@ -29,7 +30,7 @@ TEST(RunOutput, ASuspectRunIsComplete) {
 TEST(RunOutput, ACutTableIsNoCompleteRun) {
   const Scene scene = plain_scene();
   const RunCase run = case_of(scene, "null");
-  const TemporaryFolder folder("run_output_cut");
+  const TemporaryFolder folder;
   const std::filesystem::path out = folder.path() / "out";
   write_run(out, run, result_of(run));
   const std::optional<StoredResult> stored = complete_result(out, run_id(run), "frames.csv");
@@ -45,7 +46,7 @@ TEST(RunOutput, ACutTableIsNoCompleteRun) {
 }
 
 TEST(RunOutput, WhatIsNoFileIsNotRead) {
-  const TemporaryFolder folder("run_output_pipe");
+  const TemporaryFolder folder;
   EXPECT_TRUE(read_manifest(folder.path()).is_null());
   ASSERT_EQ(mkfifo((folder.path() / "run.json").c_str(), 0600), 0);
   EXPECT_TRUE(read_manifest(folder.path()).is_null()) << "opening it would wait for ever";
@@ -54,7 +55,7 @@ TEST(RunOutput, WhatIsNoFileIsNotRead) {
 TEST(RunOutput, SaysTheLimitsAndTheMachinesState) {
   const Scene scene = plain_scene();
   const RunCase run = case_of(scene, "null");
-  const TemporaryFolder folder("run_output_limits");
+  const TemporaryFolder folder;
   write_run(folder.path() / "out", run, result_of(run));
   const nlohmann::ordered_json manifest = manifest_in(folder.path() / "out");
   EXPECT_EQ(manifest["limits"]["volume_error"], 0.05);
@@ -68,7 +69,7 @@ TEST(RunOutput, SaysTheLimitsAndTheMachinesState) {
 TEST(RunOutput, SaysWhichBonesWerePrunedAndWhy) {
   const Scene scene = plain_scene();
   RunCase run = case_of(scene, "bvh");
-  const TemporaryFolder folder("pruned");
+  const TemporaryFolder folder;
   write_run(folder.path() / "pruned", run, result_of(run));
   const auto pruned = manifest_in(folder.path() / "pruned")["pruned"];
   ASSERT_EQ(pruned.size(), 1U);
@@ -91,7 +92,7 @@ TEST(RunOutput, KeepsWhatTheSceneWasWarnedOf) {
   Scene scene = plain_scene();
   scene.warnings = {{"a_rule", "a text"}, {"another", "of it"}};
   const RunCase run = case_of(scene, "null");
-  const TemporaryFolder folder("run_output_warned");
+  const TemporaryFolder folder;
   write_run(folder.path() / "out", run, result_of(run));
   const auto warnings = manifest_in(folder.path() / "out")["warnings"];
   ASSERT_EQ(warnings.size(), 2U);
@@ -101,7 +102,7 @@ TEST(RunOutput, KeepsWhatTheSceneWasWarnedOf) {
 
 TEST(RunOutput, SaysWhatWasAddedAndLeavesTheResolvedScene) {
   Scene scene = plain_scene();
-  const TemporaryFolder folder("run_output_added");
+  const TemporaryFolder folder;
   const std::filesystem::path out = folder.path() / "out";
   const auto write = [&] {
     const RunCase run = case_of(scene, "null");

@@ -5,11 +5,11 @@
 #include <iterator>
 #include <stdexcept>
 #include <string>
-#include <unistd.h>
 
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
+#include "core/base/temporary_folder.hpp"
 
 namespace musclebench {
 namespace {
@@ -18,19 +18,16 @@ namespace fs = std::filesystem;
 
 class AtomicFile : public testing::Test {
  protected:
-  void SetUp() override { fs::remove_all(m_folder); }
-  void TearDown() override { fs::remove_all(m_folder); }
-
   static std::string text_of(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
   }
   /// Names in the folder.
   [[nodiscard]] std::size_t files() const {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(m_folder), fs::directory_iterator()));
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(m_folder.path()), fs::directory_iterator()));
   }
 
-  fs::path m_folder = fs::temp_directory_path() / ("musclebench_atomic_file_" + std::to_string(getpid()));
+  TemporaryFolder m_folder;
 };
 
 TEST_F(AtomicFile, IsWrittenWholeIntoAFolderThatIsCreated) {

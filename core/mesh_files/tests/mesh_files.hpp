@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
+#include "core/base/temporary_folder.hpp"
 #include "core/mesh_files/read_mesh.hpp"
 
 namespace musclebench {
@@ -21,16 +22,6 @@ namespace fs = std::filesystem;
 /// Files in a folder of its own, which goes with the test.
 class MeshFiles : public testing::Test {
  protected:
-  MeshFiles()
-      : m_folder(fs::temp_directory_path() / ("musclebench_read_mesh_" + std::to_string(getpid()) + "_" +
-                                              testing::UnitTest::GetInstance()->current_test_info()->name())) {
-    fs::create_directories(m_folder);
-  }
-  ~MeshFiles() override {
-    std::error_code ignored;
-    fs::remove_all(m_folder, ignored);
-  }
-
   [[nodiscard]] fs::path path(const std::string& name) const { return m_folder / name; }
 
   [[nodiscard]] fs::path write(const std::string& name, const std::string& content) const {
@@ -57,7 +48,7 @@ class MeshFiles : public testing::Test {
   }
 
  private:
-  fs::path m_folder;
+  TemporaryFolder m_folder;
 };
 
 /// Six vertices, the first unreferenced, the second and fifth at one position, a quadrangle among the faces.

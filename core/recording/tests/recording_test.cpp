@@ -8,6 +8,7 @@
 
 #include "core/base/input_error.hpp"
 #include "core/base/sha256.hpp"
+#include "core/base/temporary_folder.hpp"
 #include "core/recording/recording_header.hpp"
 #include "core/recording/recording_reader.hpp"
 #include "core/recording/recording_writer.hpp"
@@ -20,10 +21,6 @@ namespace fs = std::filesystem;
 class Recording : public testing::Test {
  protected:
   void SetUp() override {
-    m_folder = fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(m_folder);
-    fs::create_directories(m_folder);
-    m_file = m_folder / "walk.recording";
     m_header.scene = "a scene";
     m_header.scene_source = "/somewhere/scene.toml";
     m_header.preset = "paper";
@@ -40,7 +37,6 @@ class Recording : public testing::Test {
     m_header.angles_deg = {0.1, 1.0 / 3, 90};
     m_header.free_nodes = {0, 2, 4};
   }
-  void TearDown() override { fs::remove_all(m_folder); }
 
   /// Of a node at a step, counted over all frames; a whole number of rounding steps.
   static Vec3 position(int step, int node) { return {node + step * 0.25, std::ldexp(step * step, -20), -1.0 * node}; }
@@ -107,10 +103,12 @@ class Recording : public testing::Test {
     replace_sealed(bytes);
   }
 
-  [[nodiscard]] long files() const { return std::distance(fs::directory_iterator(m_folder), fs::directory_iterator()); }
+  [[nodiscard]] long files() const {
+    return std::distance(fs::directory_iterator(m_folder.path()), fs::directory_iterator());
+  }
 
-  fs::path m_folder;
-  fs::path m_file;
+  TemporaryFolder m_folder;
+  fs::path m_file = m_folder / "walk.recording";
   RecordingHeader m_header;
 };
 
@@ -280,7 +278,7 @@ TEST_F(Recording, AForeignFileIsNotReplaced) {
   EXPECT_NO_THROW(require_recording_writable(m_file));
   replace_content("three years of work");
   EXPECT_THROW(require_recording_writable(m_file), InputError);
-  EXPECT_THROW(require_recording_writable(m_folder), InputError);
+  EXPECT_THROW(require_recording_writable(m_folder.path()), InputError);
   EXPECT_THROW(require_recording_writable(m_folder / "no/such/folder/file"), InputError);
   write();
   EXPECT_NO_THROW(require_recording_writable(m_file));

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
+#include "core/base/temporary_folder.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/scene/attachment_area.hpp"
 #include "core/scene/landmarks.hpp"
@@ -95,10 +96,10 @@ TEST(AttachmentArea, OfAnOutlineNeedsNoBoneNearIt) {
 
 class LandmarkFile : public testing::Test {
  protected:
-  [[nodiscard]] static double first_x(const std::string& selector) {
+  [[nodiscard]] double first_x(const std::string& selector) {
     return read_landmark_outline(path(), selector).at(0).x();
   }
-  [[nodiscard]] static std::string error_of(const std::string& selector) {
+  [[nodiscard]] std::string error_of(const std::string& selector) {
     try {
       (void)read_landmark_outline(path(), selector);
     } catch (const InputError& error) {
@@ -108,8 +109,8 @@ class LandmarkFile : public testing::Test {
   }
 
  private:
-  static std::filesystem::path path() {
-    const auto file = std::filesystem::path(testing::TempDir()) / "musclebench_landmarks.json";
+  [[nodiscard]] std::filesystem::path path() const {
+    const auto file = m_folder / "landmarks.json";
     std::ofstream(file) << R"({"attachments": [
       {"muscle": "psoas", "role": "origin", "points_m": [[1, 0, 0]]},
       {"muscle": "psoas", "role": "origin", "points_m": [[2, 0, 0]]},
@@ -118,6 +119,8 @@ class LandmarkFile : public testing::Test {
       {"muscle": "maximus", "role": "origin", "part": "hip_bone", "points_m": [[5, 0, 0]]}]})";
     return file;
   }
+
+  TemporaryFolder m_folder;
 };
 
 TEST_F(LandmarkFile, IsAskedByMuscleRolePartAndNumber) {

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
+#include "core/base/temporary_folder.hpp"
 #include "core/mesh/mesh_edges.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/mesh/surface_volume.hpp"
@@ -358,13 +359,12 @@ TEST(ForeignScene, TwoMusclesOfOneMeshAreRefused) {
 }
 
 TEST(ForeignScene, ATableThatIsAPipeIsRefused) {
-  const std::string pipe = testing::TempDir() + "musclebench_pipe.mot";
-  (void)std::remove(pipe.c_str());
+  const TemporaryFolder folder;
+  const std::string pipe = (folder / "pipe.mot").string();
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
   std::string text = plain_text();
   text.replace(text.find("from_deg = 0\nto_deg = 90"), 24, "table = \"" + pipe + "\"\ncolumn = \"hip\"");
   expect_mentions(error_of(request(text)), {pipe, "pipe"});
-  (void)std::remove(pipe.c_str());
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "core/base/temporary_folder.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/mesh/surface_volume.hpp"
 #include "core/mesh_files/read_mesh.hpp"
@@ -43,21 +44,17 @@ void write_stl(const TriangleMesh& mesh, double factor, const std::filesystem::p
 class PlacedMesh : public testing::Test {
  protected:
   void SetUp() override {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    m_folder = std::filesystem::path(testing::TempDir()) / (std::string("musclebench_placed_") + test->name());
-    std::filesystem::create_directories(m_folder);
     write_stl(ball_in_metres(), 1000, m_folder / "ball_mm.stl");
     write_stl(ball_in_metres(), 1, m_folder / "ball_m.stl");
     write_ply(make_box(Vec3(0.03, 0.03, 0.1), 4), m_folder / "bone.ply");
   }
-  void TearDown() override { std::filesystem::remove_all(m_folder); }
 
   [[nodiscard]] SceneRequest request(const std::string& mesh, const std::string& keys,
                                      const std::string& bone_keys = "") const {
     SceneRequest request;
     request.name = "test";
     request.file = "test.toml";
-    request.folder = m_folder;
+    request.folder = m_folder.path();
     request.text = fmt::format(
         "[[bone]]\nname = \"bone\"\nmesh = \"bone.ply\"\n{}[muscle]\nname = \"ball\"\nmesh = "
         "\"{}\"\n{}[[attachment]]\nname = \"low\"\nbone = \"bone\"\ndistance_m = 0.004\n"
@@ -92,7 +89,7 @@ class PlacedMesh : public testing::Test {
   }
 
  private:
-  std::filesystem::path m_folder;
+  TemporaryFolder m_folder;
 };
 
 double farthest(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {

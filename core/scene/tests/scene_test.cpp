@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
+#include "core/base/temporary_folder.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/scene/read_scene.hpp"
 #include "core/scene/scene_warnings.hpp"
@@ -280,9 +281,7 @@ TEST(Fibres, FollowTheMuscleFromOriginToInsertion) {
 class MotionTableFile : public testing::Test {
  protected:
   std::string write(const std::string& text) {
-    const auto path =
-        std::filesystem::path(testing::TempDir()) /
-        (std::string("musclebench_") + testing::UnitTest::GetInstance()->current_test_info()->name() + ".mot");
+    const auto path = m_folder / "motion.mot";
     std::ofstream(path) << text;
     return path.string();
   }
@@ -294,6 +293,9 @@ class MotionTableFile : public testing::Test {
     }
     return "no error";
   }
+
+ private:
+  TemporaryFolder m_folder;
 };
 
 TEST_F(MotionTableFile, ReadsAColumnWhateverTheHeaderAnnounces) {

@@ -8,6 +8,7 @@
 #include "backends/sdf/build/field_builder.hpp"
 #include "backends/sdf/files/discregrid_file.hpp"
 #include "core/base/random_numbers.hpp"
+#include "core/base/temporary_folder.hpp"
 #include "core/mesh/shapes.hpp"
 
 namespace musclebench {
@@ -29,10 +30,10 @@ TEST(DiscregridFile, SaysTheSameToBullet) {
   shape.cell_size_m = shape.cell_size_m.cwiseProduct(Vec3(1, 7.0 / 5, 7.0 / 4));
   for (const FieldPrecision precision : {FieldPrecision::single_precision, FieldPrecision::compact}) {
     const CubicField field = build_field(SignedSurface(bone), shape, precision, 1);
-    const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "discregrid_bullet_test.cdf";
+    const TemporaryFolder folder;
+    const std::filesystem::path path = folder / "field.cdf";
     write_discregrid(field, path);
     const btMiniSDF bullet = read_with_bullet(path);
-    std::filesystem::remove(path);
     ASSERT_TRUE(bullet.isValid());
     RandomNumbers random(1);
     for (int i = 0; i < 5000; ++i) {

@@ -53,7 +53,7 @@ class DiscregridFile : public StoredFileTest {
 
 TEST_F(DiscregridFile, HasTheSizeOfItsParts) {
   EXPECT_EQ(std::filesystem::file_size(m_path), map_at() + 4 * m_field.shape().cell_count());
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(m_folder), {}), 1) << "nothing else is left";
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(m_folder.path()), {}), 1) << "nothing else is left";
 }
 
 TEST_F(DiscregridFile, ComesBackAsItWas) {

@@ -115,7 +115,7 @@ TEST_F(FieldFile, ThatIsNoRegularFileIsRefused) {
 }
 
 TEST_F(FieldFile, ThatCannotBeWrittenIsAnError) {
-  std::filesystem::create_directories(m_folder);
+  std::filesystem::create_directories(m_folder.path());
   std::ofstream(m_folder / "deep") << "a file where the folder should be";
   EXPECT_THROW(save_field(m_field, m_digest, m_path), InputError);
 }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/temporary_folder.hpp"
 #include "core/mesh/shapes.hpp"
 
 namespace musclebench {
@@ -12,9 +13,6 @@ namespace {
 /// A field that is a number, kept as text.
 class KeptFieldsTest : public testing::Test {
  protected:
-  KeptFieldsTest() { std::filesystem::remove_all(m_folder); }
-  ~KeptFieldsTest() override { std::filesystem::remove_all(m_folder); }
-
   KeptFields<int>::Found found(const std::string& built_with, double radius_m) {
     const KeptFields<int> kept{
         [&] { return ++m_built; },
@@ -27,7 +25,8 @@ class KeptFieldsTest : public testing::Test {
     return kept.load_or_build(m_folder, built_with, "field", {make_sphere(radius_m, 1), true, {}}, 1);
   }
 
-  std::filesystem::path m_folder = std::filesystem::path(testing::TempDir()) / "kept_fields";
+  TemporaryFolder m_temporary;
+  std::filesystem::path m_folder = m_temporary.path();
   int m_built = 0;
 };
 

@@ -9,19 +9,14 @@
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
+#include "core/base/temporary_folder.hpp"
 
 namespace musclebench {
 
 /// A file in a folder of its own, which goes with the test.
 class StoredFileTest : public testing::Test {
  protected:
-  explicit StoredFileTest(const std::string& path_in_folder) : m_path(m_folder / path_in_folder) {
-    std::filesystem::remove_all(m_folder);
-  }
-  ~StoredFileTest() override {
-    std::error_code ignored;
-    std::filesystem::remove_all(m_folder, ignored);
-  }
+  explicit StoredFileTest(const std::string& path_in_folder) : m_path(m_folder / path_in_folder) {}
 
   void change(const std::function<void(std::string&)>& edit) const {
     std::ifstream in(m_path, std::ios::binary);
@@ -43,14 +38,7 @@ class StoredFileTest : public testing::Test {
     return "accepted";
   }
 
- private:
-  static std::string name_of_test() {
-    const testing::TestInfo& test = *testing::UnitTest::GetInstance()->current_test_info();
-    return std::string(test.test_suite_name()) + "_" + test.name();
-  }
-
- protected:
-  std::filesystem::path m_folder = std::filesystem::path(testing::TempDir()) / name_of_test();
+  TemporaryFolder m_folder;
   std::filesystem::path m_path;
 };
 
