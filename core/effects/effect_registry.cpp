@@ -20,8 +20,9 @@ namespace musclebench {
 
 const std::vector<EffectEntry>& effect_registry() {
   static const std::vector<EffectEntry> entries = {
-      {"gravity", "constant acceleration of all free nodes", gravity_parameters(), make_gravity},
+      // Before gravity, or a body at rest would weigh less by what is damped of a substep's fall.
       {"damping", "velocities decay", damping_parameters(), make_damping},
+      {"gravity", "constant acceleration of all free nodes", gravity_parameters(), make_gravity},
       {"attachment", "bound nodes move with their bone", attachment_parameters(), make_attachment},
       {"edge_length", "edges keep their rest length, softer along the fibres", edge_length_parameters(),
        make_edge_length},
