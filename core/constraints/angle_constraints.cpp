@@ -33,6 +33,7 @@ struct AngleSlots {
   const double* most_gate;
   double* multiplier;    ///< null where the constraints are not compliant
   bool has_multipliers;  ///< false in the first projection of a substep: they are 0, whatever is stored
+  NodeRow* impulses;     ///< `NodeRows::impulses`
   double stiffness;
   double compliance;  ///< over the squared time step
 };
@@ -121,6 +122,12 @@ void project_angles(AngleSlots slots, std::size_t first, std::size_t last, NodeR
         hn::IfThenElseZero(acts, hn::Div(hn::Mul(hn::Set(d, slots.stiffness), error), hn::Add(sum, compliance)));
     if (is_compliant) hn::StoreU(hn::Add(multiplier, change), d, slots.multiplier + i);
     const Lane back = hn::Neg(change);
+    if (HWY_UNLIKELY(slots.impulses != nullptr)) {
+      add_to_nodes(change * start_gradient, slots.impulses, slots.start + i);
+      add_to_nodes(change * end_gradient, slots.impulses, slots.end + i);
+      add_to_nodes(back * left_per_height, slots.impulses, slots.left + i);
+      add_to_nodes(back * right_per_height, slots.impulses, slots.right + i);
+    }
     add_to_nodes(hn::Mul(change, start.inverse_mass) * start_gradient, rows, slots.start + i);
     add_to_nodes(hn::Mul(change, end.inverse_mass) * end_gradient, rows, slots.end + i);
     add_to_nodes(hn::Mul(back, left.inverse_mass) * left_per_height, rows, slots.left + i);
@@ -171,6 +178,7 @@ void AngleConstraints::project(NodeRows& rows, double time_step_s, const Team& t
                          .most_gate = m_most_gate.data(),
                          .multiplier = is_compliant ? m_multipliers.data() : nullptr,
                          .has_multipliers = is_compliant && m_has_multipliers,
+                         .impulses = rows.impulses(),
                          .stiffness = m_settings.stiffness,
                          .compliance = m_settings.compliance_rad_per_n_m / (time_step_s * time_step_s)};
   m_order.for_each(team, [&](std::size_t first, std::size_t last) {

@@ -25,6 +25,7 @@ struct LengthSlots {
   const double* compliance_m_per_n;  ///< null, as `multiplier`, where no constraint is compliant
   double* multiplier;
   bool has_multipliers;  ///< false in the first projection of a substep: they are 0, whatever is stored
+  NodeRow* impulses;     ///< `NodeRows::impulses`
 };
 
 }  // namespace musclebench
@@ -61,6 +62,10 @@ HWY_INLINE SolvedLengths solve(const LengthSlots& slots, std::size_t i, double p
 
 HWY_INLINE void apply(SolvedLengths solved, const LengthSlots& slots, std::size_t i, NodeRow* rows) {
   auto& [start, end, correction] = solved;
+  if (HWY_UNLIKELY(slots.impulses != nullptr)) {
+    add_to_nodes(correction, slots.impulses, slots.start + i);
+    add_to_nodes(hn::Set(Lanes(), -1) * correction, slots.impulses, slots.end + i);
+  }
   start.at = start.at + start.inverse_mass * correction;
   end.at = end.at - end.inverse_mass * correction;
   store_nodes(start, rows, slots.start + i);
@@ -114,7 +119,8 @@ void LengthConstraints::project(NodeRows& rows, double time_step_s, const Team& 
                     .stiffness = m_stiffness.data(),
                     .compliance_m_per_n = is_compliant ? m_compliance_m_per_n.data() : nullptr,
                     .multiplier = is_compliant ? m_multipliers.data() : nullptr,
-                    .has_multipliers = is_compliant && m_has_multipliers};
+                    .has_multipliers = is_compliant && m_has_multipliers,
+                    .impulses = rows.impulses()};
   const double per_time_step2 = 1 / (time_step_s * time_step_s);
   for (int visit = 0; visit < m_visits; ++visit) {
     m_order.for_each(team, [&](std::size_t first, std::size_t last) {

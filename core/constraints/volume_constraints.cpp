@@ -75,7 +75,11 @@ void find_gradients(const EntryTriangles& of, std::size_t first, std::size_t las
   }
 }
 
-void move_along_gradients(const NodeRow* gradients, std::size_t count, double multiplier, NodeRow* rows) {
+void move_along_gradients(const NodeRow* gradients, std::size_t count, double multiplier, NodeRow* rows,
+                          NodeRow* impulses) {
+  for (std::size_t row = 0; impulses != nullptr && row < count; ++row) {
+    store_row(load_row(impulses[row]) - multiplier * load_row(gradients[row]), impulses[row]);
+  }
   for (std::size_t row = 0; row < count; ++row) {
     const RowVector step = multiplier * rows[row].inverse_mass * load_row(gradients[row]);
     store_row(load_row(rows[row]) - step, rows[row]);
@@ -211,7 +215,8 @@ void VolumeConstraints::move_rows(const BodyRegions& body, std::size_t first, st
     // A whole body has all of its rows.
     const std::size_t first_entry = whole.first_entry + (first - body.first_row);
     HWY_DYNAMIC_DISPATCH(move_along_gradients)
-    (m_gradients.data() + first_entry, last - first, multiplier, rows.data() + first);
+    (m_gradients.data() + first_entry, last - first, multiplier, rows.data() + first,
+     rows.impulses() != nullptr ? rows.impulses() + first : nullptr);
     return;
   }
   std::array<double, most_regions> multipliers{};
@@ -225,6 +230,7 @@ void VolumeConstraints::move_rows(const BodyRegions& body, std::size_t first, st
       step = step + multipliers[static_cast<std::size_t>(m_region_of_entry[entry])] * m_gradients[entry];
     }
     rows[row].set_position(rows[row].position() - rows[row].inverse_mass * step.position());
+    if (NodeRow* impulses = rows.impulses()) impulses[row] = impulses[row] - step;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/contact/contact_impulses.hpp"
 #include "core/contact/contact_properties.hpp"
 
 namespace musclebench {
@@ -133,12 +134,29 @@ bool ContactRowSolver::overlapped_before(const ContactRow& row) const {
   return false;
 }
 
-void ContactRowSolver::solve(std::span<const ContactRow> rows, std::span<Vec3> start, std::span<Vec3> predicted) {
+void ContactRowSolver::solve(std::span<const ContactRow> rows, std::span<Vec3> start, std::span<Vec3> predicted,
+                             ContactImpulses* impulses) {
   collect_moved(rows);
   m_multipliers.assign(rows.size(), 0);
+  m_undone_m.assign(rows.size(), Vec3::Zero());
   correct_all(rows, start, predicted);
   if (m_friction_coefficient > 0) rub(rows, start, predicted);
+  if (impulses != nullptr) tell(rows, *impulses);
   clear_loads();
+}
+
+void ContactRowSolver::tell(std::span<const ContactRow> rows, ContactImpulses& impulses) const {
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!(m_multipliers[i] > 0)) continue;
+    const ContactRow& row = rows[i];
+    const Vec3 pushed = m_multipliers[i] * row.normal;
+    const Vec3 moved = pushed - m_undone_m[i] / row_sum(row);
+    for (std::size_t k = 0; k < row.nodes.size(); ++k) {
+      if (row.weights[k] == 0) continue;
+      impulses.add(row.nodes[k], impulses.other_side(row.bone, row.nodes, row.weights, k), row.weights[k] * moved,
+                   row.weights[k] * pushed);
+    }
+  }
 }
 
 void ContactRowSolver::correct_all(std::span<const ContactRow> rows, std::span<Vec3> start, std::span<Vec3> predicted) {
@@ -165,7 +183,6 @@ void ContactRowSolver::correct_all(std::span<const ContactRow> rows, std::span<V
 /// rub, and are no longer counted in the loads.
 void ContactRowSolver::rub(std::span<const ContactRow> rows, std::span<const Vec3> start, std::span<Vec3> predicted) {
   clear_loads();
-  m_undone_m.assign(rows.size(), Vec3::Zero());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (m_multipliers[i] > 0) add_load(rows[i]);
   }

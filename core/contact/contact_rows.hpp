@@ -9,6 +9,8 @@
 
 namespace musclebench {
 
+class ContactImpulses;
+
 /// A one-sided constraint on up to four nodes, a row of the Jacobian J: n . sum w_i p_i >= offset. Against a bone the
 /// weights are barycentric and the plane is the bone's; between two points of muscles those of one point count against
 /// those of the other, so that the weights add up to 0 and a correction changes no momentum.
@@ -21,6 +23,7 @@ struct ContactRow {
   double start_offset_m = 0;
   Vec3 carried_m = Vec3::Zero();  ///< how far a bone carries its point of contact in the substep; 0 between muscles
   int steps = 1;                  ///< corrections; the row is left as it is while others go on
+  int bone = -1;                  ///< whose plane it is; -1 between muscles
 };
 
 /// Corrects contacts of several nodes each. All rows of a step are corrected from the same positions and added, so that
@@ -48,7 +51,9 @@ class ContactRowSolver {
                       double most_m);
 
   /// Corrects `predicted` (p) and `start` (x), both of all nodes, world frame, m. Ends early once no row is violated.
-  void solve(std::span<const ContactRow> rows, std::span<Vec3> start, std::span<Vec3> predicted);
+  /// Adds what it does to nodes to `impulses`, where given.
+  void solve(std::span<const ContactRow> rows, std::span<Vec3> start, std::span<Vec3> predicted,
+             ContactImpulses* impulses = nullptr);
 
   /// The nodes that the last `solve` may have moved, ascending.
   [[nodiscard]] std::span<const int> moved_nodes() const { return m_moved; }
@@ -67,6 +72,7 @@ class ContactRowSolver {
   void add_to_all(const ContactRow& row, const Vec3& change, std::vector<Vec3>& corrections) const;
   void correct_all(std::span<const ContactRow> rows, std::span<Vec3> start, std::span<Vec3> predicted);
   void rub(std::span<const ContactRow> rows, std::span<const Vec3> start, std::span<Vec3> predicted);
+  void tell(std::span<const ContactRow> rows, ContactImpulses& impulses) const;
   void add_load(const ContactRow& row);
   void clear_loads();
   [[nodiscard]] bool overlapped_before(const ContactRow& row) const;

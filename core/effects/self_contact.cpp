@@ -71,7 +71,7 @@ class SelfContact final : public ContactStage {
     m_clearances.update(input.start, m_threads);
     find_rows(input.start);
     m_solver.lay_out_slowly(m_rows, input.start, input.predicted, input.depenetration_m);
-    m_solver.solve(m_rows, input.start, input.predicted);
+    m_solver.solve(m_rows, input.start, input.predicted, input.impulses);
     return m_solver.moved_nodes();
   }
 

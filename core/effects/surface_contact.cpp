@@ -28,7 +28,7 @@ class SurfaceContact final : public ContactStage {
     m_rows.clear();
     for (const FaceContact& contact : m_contacts) m_rows.push_back(row_of(contact, input));
     m_solver.lay_out_slowly(m_rows, input.start, input.predicted, input.depenetration_m);
-    m_solver.solve(m_rows, input.start, input.predicted);
+    m_solver.solve(m_rows, input.start, input.predicted, input.impulses);
     return m_solver.moved_nodes();
   }
 
@@ -44,7 +44,8 @@ class SurfaceContact final : public ContactStage {
                    .weights = {contact.weights.x(), contact.weights.y(), contact.weights.z(), 0},
                    .normal = pose.apply_to_direction(contact.normal),
                    .start_normal = previous.apply_to_direction(contact.normal),
-                   .steps = m_steps};
+                   .steps = m_steps,
+                   .bone = static_cast<int>(contact.bone)};
     row.offset_m = row.normal.dot(pose.apply(contact.point)) + m_margin_m;
     row.start_offset_m = row.start_normal.dot(previous.apply(contact.point)) + m_margin_m;
     row.carried_m = pose.apply(contact.point) - previous.apply(contact.point);

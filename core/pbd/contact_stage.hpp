@@ -11,6 +11,8 @@
 
 namespace musclebench {
 
+class ContactImpulses;
+
 /// The input and output of a contact stage. Positions are those of all nodes, in the world frame, in metres.
 struct ContactStageInput {
   std::span<Vec3> start;      ///< x: positions at the start of the substep
@@ -21,6 +23,7 @@ struct ContactStageInput {
   std::span<const Contact> contacts;  ///< contacts with bones, found at p; empty in `before_bones`
   /// How far a node that overlapped at the start of the run may be moved out in this step, at most, m.
   double depenetration_m = std::numeric_limits<double>::infinity();
+  ContactImpulses* impulses = nullptr;  ///< to which a stage adds what it does to nodes; null: nobody asks
 };
 
 /// An additional part of the collision step, such as contact between muscles. Derive from it and override what you

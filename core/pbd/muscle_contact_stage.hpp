@@ -41,7 +41,7 @@ class MuscleContactStage final : public ContactStage {
     add_times();
     rows_of(m_contacts, m_triangles, m_steps, m_rows);
     m_solver.lay_out_slowly(m_rows, input.start, input.predicted, input.depenetration_m);
-    m_solver.solve(m_rows, input.start, input.predicted);
+    m_solver.solve(m_rows, input.start, input.predicted, input.impulses);
     return m_solver.moved_nodes();
   }
 

@@ -57,8 +57,15 @@ class NodeRows {
   const NodeRow& operator[](std::size_t row) const { return m_rows[row]; }
   [[nodiscard]] NodeRow* data() { return m_rows.data(); }
 
+  /// From now on constraints add up their impulses.
+  void record_impulses() { m_impulses.resize(m_rows.size()); }
+  /// By row, padding included: the sum of mass times correction over the constraints that act on a node, kg m. Of a
+  /// node that a bone carries too, which is not moved: its bone bears them. Null: nobody asks.
+  [[nodiscard]] NodeRow* impulses() { return m_impulses.empty() ? nullptr : m_impulses.data(); }
+
  private:
   std::vector<NodeRow> m_rows = std::vector<NodeRow>(1);
+  std::vector<NodeRow> m_impulses;
 };
 
 }  // namespace musclebench

@@ -14,6 +14,7 @@
 #include "core/contact/response.hpp"
 #include "core/pbd/contact_stage.hpp"
 #include "core/pbd/effect.hpp"
+#include "core/pbd/frame_impulses.hpp"
 #include "core/pbd/lost_nodes.hpp"
 #include "core/pbd/node_order.hpp"
 #include "core/pbd/node_rows.hpp"
@@ -160,6 +161,12 @@ class Simulation {
   /// The last substep that started. The first of a frame is 1.
   [[nodiscard]] int substep() const { return m_substep; }
 
+  /// Records the impulses of effects and contacts from the next frame on. `muscles` are the bodies of the nodes. Call
+  /// it before the first frame. Recording changes no bit of the motion; it takes time, which counts.
+  void record_impulses(std::vector<Body> muscles);
+  /// Those of the last frame; null without `record_impulses`.
+  [[nodiscard]] const FrameImpulses* impulses() const { return m_impulses.get(); }
+
   /// Sets a function that is called after each part of each iteration. Do not use it when you measure times.
   void watch_movers(MoverWatch watch) { m_watch = std::move(watch); }
   /// The predicted position of the node so far in this substep, m, world frame.
@@ -188,11 +195,14 @@ class Simulation {
   using StageMoment = std::span<const int> (ContactStage::*)(const ContactStageInput&);
   void run_stages(StageMoment moment, std::span<const Contact> contacts);
   [[nodiscard]] ContactStageInput stage_input(std::span<const Contact> contacts) {
-    return {m_positions, m_predicted, m_free_nodes, m_previous_poses, m_poses, contacts, m_depenetration_m};
+    return {m_positions, m_predicted, m_free_nodes,      m_previous_poses,
+            m_poses,     contacts,    m_depenetration_m, m_impulses ? m_impulses->rows() : nullptr};
   }
   void collide(bool last_of_frame, CollisionObserver* observer);
   void find_contacts();
   void respond();
+  void record_force(std::size_t effect, const Team& team);
+  void record_constraints(std::size_t effect, double time_step_s, const Team& team);
   void look_at_positions(const Team& team);
   void look_at_moves(double time_step_s, const Team& team);
   void finish_substep(double time_step_s, const Team& team);
@@ -212,6 +222,7 @@ class Simulation {
   std::vector<std::unique_ptr<ContactStage>> m_stages;
   CollisionBackend& m_backend;
   Response m_response;
+  std::unique_ptr<FrameImpulses> m_impulses;
   PoseFunction m_pose_function;
   MoverWatch m_watch;
   LostNodes m_lost;

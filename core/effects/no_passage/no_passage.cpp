@@ -78,7 +78,7 @@ class NoPassage final : public ContactStage {
     for (int round = 0; find_hits() && round < m_rounds; ++round) {
       m_hit_count = std::max(m_hit_count, static_cast<int>(m_hits.size()));
       for (const Hit& hit : m_hits) add_row(hit, input);
-      m_solver.solve(m_rows, input.start, m_proposed);
+      m_solver.solve(m_rows, input.start, m_proposed, input.impulses);
       std::ranges::fill(m_is_moved, 0);
       for (const int node : m_solver.moved_nodes()) m_is_moved[at_index(node)] = 1;
       for (const Hit& hit : m_hits) look_again_at(hit.stencil);
@@ -233,7 +233,8 @@ class NoPassage final : public ContactStage {
                    .offset_m = hit.target_m,
                    .start_normal = normal,
                    .start_offset_m = hit.target_m,
-                   .steps = row_steps};
+                   .steps = row_steps,
+                   .bone = hit.stencil.bone};
     const PassageStencil& stencil = hit.stencil;
     Vec3 on_bone = Vec3::Zero();  // minus the bone's point, or the point itself, by the side that it is on
     for (std::size_t k = 0; k < 4; ++k) {

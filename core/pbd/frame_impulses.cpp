@@ -1,0 +1,79 @@
+#include "core/pbd/frame_impulses.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace musclebench {
+
+namespace {
+
+/// Of the impulses that differ by it. A node a metre from the origin that moves by a micrometre has ten digits of it.
+constexpr double rounding = 1e-6;
+
+}  // namespace
+
+FrameImpulses::FrameImpulses(std::vector<Body> muscles, std::size_t bones, std::span<const double> inverse_masses,
+                             std::size_t effects)
+    : m_by_collider(std::move(muscles), bones, inverse_masses),
+      m_of_effects(effects * inverse_masses.size()),
+      m_velocities_before(inverse_masses.size()),
+      m_contact_sum(inverse_masses.size()),
+      m_contact_size(inverse_masses.size()),
+      m_moved_m(inverse_masses.size()),
+      m_known(inverse_masses.size()),
+      m_contacts(inverse_masses.size()) {
+  for (auto& contacts : m_contacts) contacts.reserve(bones);
+}
+
+void FrameImpulses::begin_frame() {
+  m_duration_s = 0;
+  m_by_collider.clear();
+  std::ranges::fill(m_of_effects, Vec3(Vec3::Zero()));
+  std::ranges::fill(m_contact_sum, Vec3(Vec3::Zero()));
+  std::ranges::fill(m_contact_size, 0.0);
+}
+
+void FrameImpulses::begin_substep(double time_step_s) {
+  m_time_step_s = time_step_s;
+  m_duration_s += time_step_s;
+  m_by_collider.set_time_step(time_step_s);
+}
+
+void FrameImpulses::end_frame() {
+  for (int node = 0; node < static_cast<int>(m_contact_sum.size()); ++node) {
+    const Vec3 unknown = of_contacts(node) - m_by_collider.known(node);
+    if (unknown.norm() <= rounding * m_contact_size[static_cast<std::size_t>(node)]) continue;
+    m_by_collider.add(node, m_by_collider.unknown(), m_time_step_s * unknown, Vec3::Zero());
+  }
+}
+
+void FrameImpulses::begin_contacts(std::span<const Vec3> start, std::span<const Vec3> predicted) {
+  for (std::size_t node = 0; node < m_moved_m.size(); ++node) {
+    m_moved_m[node] = predicted[node] - start[node];
+    m_known[node] = m_by_collider.known(static_cast<int>(node));
+  }
+}
+
+void FrameImpulses::add_contacts(std::span<const Vec3> start, std::span<const Vec3> predicted,
+                                 std::span<const Contact> contacts) {
+  for (const Contact& contact : contacts) m_contacts[static_cast<std::size_t>(contact.node)].push_back(contact);
+  for (std::size_t i = 0; i < m_moved_m.size(); ++i) {
+    const auto node = static_cast<int>(i);
+    const Vec3 moved_m = predicted[i] - start[i];
+    const Vec3 change_m = moved_m - m_moved_m[i];
+    m_moved_m[i] = moved_m;
+    if (const double inverse_mass = m_by_collider.inverse_mass(node); inverse_mass > 0 && !change_m.isZero(0)) {
+      const Vec3 impulse = change_m / (inverse_mass * m_time_step_s);
+      m_contact_sum[i] += impulse;
+      m_contact_size[i] += impulse.norm();
+      const Vec3 of_rows = m_by_collider.known(node) - m_known[i];
+      if (!m_contacts[i].empty()) {
+        m_by_collider.add_to_bones(node, m_time_step_s * (impulse - of_rows), m_contacts[i]);
+      }
+    }
+    m_known[i] = m_by_collider.known(node);
+    m_contacts[i].clear();
+  }
+}
+
+}  // namespace musclebench
