@@ -1,6 +1,7 @@
 #include "bench/cases/run_case.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <malloc.h>
 #include <memory>
 
@@ -98,6 +99,10 @@ class CaseRunner {
     const std::size_t before_watching_bytes = resident_memory_bytes();
     make_room_for_snapshots();
     follow_fibres();
+    if (m_run.forces) {
+      m_result.force_obstacles = force_obstacles(m_scene, m_run.responses);
+      m_forces = std::make_unique<ForceWatch>(m_scene, m_result.bound_nodes, m_result.force_obstacles, *m_simulation);
+    }
     if (m_run.judge) {
       reserve_huge_pages(usual_referee_bytes);
       m_judge =
@@ -105,7 +110,7 @@ class CaseRunner {
                                          [this](int bone) { return m_backend->answer_bound(bone).missed_depth_m; });
       note_rest(m_judge->at_rest());
     }
-    if (m_judge || m_fibres || !m_room.empty()) {
+    if (m_judge || m_fibres || m_forces || !m_room.empty()) {
       malloc_trim(0);
       m_result.referee_bytes = resident_memory_bytes() - std::min(resident_memory_bytes(), before_watching_bytes);
     }
@@ -208,6 +213,7 @@ class CaseRunner {
     m_result.records.push_back(record);
     if (lost.empty()) {
       watch_fibres(frame);
+      if (m_forces) std::ranges::move(m_forces->frame(frame, *m_simulation), std::back_inserter(m_result.forces));
       keep_snapshot(frame);
     }
   }
@@ -393,6 +399,7 @@ class CaseRunner {
     const auto poses = m_simulation->bone_poses();
     snapshot.bone_poses.assign(poses.begin(), poses.end());
     if (m_fibres) snapshot.fibres = m_fibre_points;
+    if (m_forces) snapshot.contact = m_forces->at_nodes(*m_simulation);
     m_result.snapshots.push_back(std::move(snapshot));
   }
 
@@ -406,6 +413,7 @@ class CaseRunner {
   MuscleContactStage* m_muscle_contact = nullptr;  ///< of the simulation, where muscles touch
   std::unique_ptr<FibreWatch> m_fibres;            ///< where the scene asks for them
   std::vector<std::vector<Vec3>> m_fibre_points;   ///< of each muscle, at the end of the last frame
+  std::unique_ptr<ForceWatch> m_forces;            ///< where they are asked for
   std::unique_ptr<CoupledJudge> m_judge;
   std::function<bool()> m_is_stopped;
   LastDetection m_last_detection;

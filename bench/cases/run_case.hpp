@@ -6,6 +6,7 @@
 
 #include "bench/cases/build_backend.hpp"
 #include "bench/cases/fibre_watch.hpp"
+#include "bench/cases/force_watch.hpp"
 #include "core/base/machine_state.hpp"
 #include "core/measure/outcome.hpp"
 #include "core/measure/step_record.hpp"
@@ -21,6 +22,7 @@ struct RunCase : Case {
   /// Without a judge, who counts them anyway: at rest, in the frames of `snapshots` and after the last frame.
   bool count_self_intersections = false;
   bool keep_surface_depths = true;  ///< of the snapshots, by the judge; takes up to 0.25 s each
+  bool forces = false;              ///< whether the forces of every frame are told
 };
 
 /// The shape of the muscle at the end of a frame.
@@ -32,6 +34,7 @@ struct Snapshot {
   std::vector<double> surface_depths_m;  ///< a node: of the deepest point around it; 0: outside; empty: not kept
   bool surface_is_complete = true;       ///< whether the budget sufficed for them
   std::vector<RigidMotion> bone_poses;
+  NodeForces contact = {};                ///< empty where no forces are told
   std::vector<std::vector<Vec3>> fibres;  ///< of each muscle, fibre after fibre; none where none are followed
 };
 
@@ -50,6 +53,8 @@ struct RunResult {
   std::vector<FollowedFibres> followed_fibres;
   std::string fibres_refused;  ///< why there are none where they were asked for and could be left out
   std::size_t fibre_bytes = 0;
+  std::vector<ForceRow> forces;    ///< of every frame, where they are asked for
+  ForceObstacles force_obstacles;  ///< why some are missing
   std::vector<BoundNode> bound_nodes;
   std::size_t structure_bytes = 0;
   std::size_t muscle_structure_bytes = 0;        ///< of what detects contacts between muscles

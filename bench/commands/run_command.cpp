@@ -41,6 +41,7 @@ struct RunOptions {
   bool self_intersections = false;
   bool strict = false;
   bool unpruned = false;
+  bool forces = false;
   int fibres = -1;              ///< below 0: the scene's
   int fibres_if_possible = -1;  ///< the same
 };
@@ -180,6 +181,7 @@ int run(RunOptions options) {
   run_of.snapshots = options.snapshots;
   run_of.count_self_intersections = options.self_intersections;
   run_of.prune = !options.unpruned;
+  run_of.forces = options.forces;
   const std::string id = run_id(run_of);
   const std::string out = options.out.empty() ? fmt::format("reports/out/runs/raw/{}", id) : options.out;
   if (const auto stored = options.force ? std::nullopt : complete_result(out, id, "frames.csv")) {
@@ -202,6 +204,9 @@ int run(RunOptions options) {
   print_pruned(scene, result);
   if (!result.fibres_refused.empty()) {
     fmt::print(stderr, "musclebench: warning: no fibres are followed: {}\n", result.fibres_refused);
+  }
+  if (const std::string why = result.force_obstacles.text(); !why.empty()) {
+    fmt::print(stderr, "musclebench: warning: some forces mean nothing and are left out: {}\n", why);
   }
   fmt::print("{}  written to {}\n", run_summary(run_of, result), out);
   if (result.status == "diverged") {
@@ -260,6 +265,9 @@ void add_run_command(CLI::App& app, int& exit_code) {
                    "Like --fibres, but where a scene cannot have fibres, run without them and say why (default: off)")
       ->check(CLI::Range(0, 100000))
       ->excludes(fibres);
+  command->add_flag("--forces", options->forces,
+                    "Write the forces of contacts, attachments and joints of every frame into forces.csv, and the "
+                    "pressure on nodes into snapshots (takes time in each frame)");
   command->add_flag("--strict", options->strict,
                     "Exit with code 1 if the run ends `suspect`: an outcome is beyond a limit of `musclebench list`");
   command->add_flag("--no-pruning", options->unpruned,

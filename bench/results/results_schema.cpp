@@ -8,6 +8,7 @@
 #include "bench/results/probe_output.hpp"
 #include "bench/results/replay_output.hpp"
 #include "core/measure/fibre_record.hpp"
+#include "core/measure/force_record.hpp"
 #include "core/measure/muscle_record.hpp"
 #include "core/measure/outcome_limits.hpp"
 #include "core/measure/pair_record.hpp"
@@ -68,6 +69,7 @@ constexpr auto own_keys = std::to_array<ManifestKey>({
     of_run("case.self_intersections", "", "whether self-intersecting triangles were counted"),
     of_run("case.pruning", "", "whether bones that muscles are not expected to touch were left out at first"),
     of_run("case.fibres", "", "of each muscle, asked for; absent where none are"),
+    of_run("case.forces", "", "true where forces are told; absent elsewhere"),
     of_replay("case.stride", "", "every so many-th frame is replayed"),
     of_replay("case.band_m", "m", "errors are measured so far from the surface"),
     of_replay("case.recording_sha256", "", "of the recording"),
@@ -223,6 +225,9 @@ constexpr auto own_keys = std::to_array<ManifestKey>({
     of_run("snapshots[].surface_depth_complete", "",
            "false: its surface may be deeper in places, the budget was spent; absent where surface_depth_m is"),
     of_run("snapshots[].fibres", "", "their fibres as lines, where they are followed"),
+    of_run("forces.rows", "", "of forces.csv"),
+    of_run("forces.contacts_left_out", "", "why contacts have no forces; empty: they have"),
+    of_run("forces.attachments_left_out", "", "why attachments have no forces; empty: they have"),
     of_run("fibres[].muscle", "", "whose fibres are followed"),
     of_run("fibres[].asked", "", "how many were asked for"),
     of_run("fibres[].followed", "", "how many reach from one attachment to the other"),
@@ -352,6 +357,7 @@ Json results_schema_json() {
           {"run", json_of_columns(run_columns())},
           {"muscles", json_of_columns(muscle_columns())},
           {"pairs", json_of_columns(pair_columns())},
+          {"forces", json_of_columns(force_columns())},
           {"fibres", json_of_columns(fibre_columns())},
           {"fibre_lengths", json_of_columns(fibre_length_columns())},
           {"replay", json_of_columns(replay_columns())},

@@ -10,6 +10,7 @@
 #include "bench/results/manifest.hpp"
 #include "bench/results/result_folder.hpp"
 #include "core/base/output_file.hpp"
+#include "core/base/table_file.hpp"
 #include "core/measure/muscle_record.hpp"
 #include "core/measure/outcome_limits.hpp"
 #include "core/measure/pair_record.hpp"
@@ -34,6 +35,7 @@ Json json_of_run(const RunCase& run) {
   json["self_intersections"] = run.count_self_intersections;
   json["pruning"] = run.prune;
   if (run.scene.fibre_count > 0) json["fibres"] = run.scene.fibre_count;
+  if (run.forces) json["forces"] = true;
   return json;
 }
 
@@ -185,6 +187,11 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["crossings"] = json_of_crossings(run.scene, result);
   json["limits"] = json_of_limits();
   json["snapshots"] = json_of_snapshots(result);
+  if (run.forces) {
+    json["forces"] = {{"rows", result.forces.size()},
+                      {"contacts_left_out", result.force_obstacles.contacts},
+                      {"attachments_left_out", result.force_obstacles.attachments}};
+  }
   if (!result.fibres_refused.empty()) json["fibres_refused"] = result.fibres_refused;
   if (!result.followed_fibres.empty()) {
     json["fibres"] = json_of_fibres(result);
@@ -228,11 +235,16 @@ void write_snapshot(const fs::path& path, const Snapshot& snapshot, const RunCas
   // Absent where nobody judged: a reader would take zeros for truth.
   const bool has_depths = !snapshot.depths_m.empty();
   const bool has_surface_depths = !snapshot.surface_depths_m.empty();
+  const bool has_forces = !snapshot.contact.pressures_pa.empty();
   std::string bytes = fmt::format(
       "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\nproperty double y\nproperty double "
-      "z\n{}{}property uchar attached\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
+      "z\n{}{}{}property uchar attached\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
       files.mesh.vertices.size(), has_depths ? "property double depth_m\n" : "",
-      has_surface_depths ? "property double surface_depth_m\n" : "", files.mesh.triangles.size());
+      has_surface_depths ? "property double surface_depth_m\n" : "",
+      has_forces ? "property double pressure_pa\nproperty double force_x_n\nproperty double force_y_n\nproperty double "
+                   "force_z_n\n"
+                 : "",
+      files.mesh.triangles.size());
   for (std::size_t i = 0; i < files.mesh.vertices.size(); ++i) {
     const int node = files.node_of_vertex[i];
     const Vec3& position = node < 0 ? files.mesh.vertices[i] : snapshot.positions[node];
@@ -241,6 +253,10 @@ void write_snapshot(const fs::path& path, const Snapshot& snapshot, const RunCas
     }
     if (has_depths) put(bytes, node < 0 ? 0.0 : snapshot.depths_m[node]);
     if (has_surface_depths) put(bytes, node < 0 ? 0.0 : snapshot.surface_depths_m[node]);
+    if (has_forces) {
+      put(bytes, node < 0 ? 0.0 : snapshot.contact.pressures_pa[node]);
+      for (int axis = 0; axis < 3; ++axis) put(bytes, node < 0 ? 0.0 : snapshot.contact.forces_n[node][axis]);
+    }
     put(bytes, node < 0 ? static_cast<unsigned char>(0) : attached[node]);
   }
   for (const Triangle& triangle : files.mesh.triangles) {
@@ -279,6 +295,9 @@ void write_files(const fs::path& folder, const RunCase& run, const RunResult& re
     }
   }
   if (!result.followed_fibres.empty()) write_fibres(folder, run, result);
+  if (run.forces) {
+    write_table_file(folder / "forces.csv", force_columns(), std::span<const ForceRow>(result.forces));
+  }
   if (run.scene.auto_effects.wanted) {
     OutputFile scene(folder / "resolved_scene.toml");
     scene.stream() << run.scene.auto_effects.resolved_text;

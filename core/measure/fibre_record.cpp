@@ -2,19 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <numeric>
 
 #include <fmt/format.h>
 
 #include "core/base/percentile.hpp"
+#include "core/measure/number_cell.hpp"
 #include "core/mesh/rigid_motion.hpp"
 
 namespace musclebench {
 
 namespace {
-
-std::string cell(double value) { return std::isfinite(value) ? fmt::format("{}", value) : ""; }
 
 double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
@@ -22,7 +20,7 @@ double mean(const std::vector<double>& values) {
 
 /// Nothing of nothing.
 std::string of_all(const std::vector<double>& ascending, double (*figure)(const std::vector<double>&)) {
-  return ascending.empty() ? std::string() : cell(figure(ascending));
+  return ascending.empty() ? std::string() : number_cell(figure(ascending));
 }
 
 double percentile_of(const std::vector<double>& ascending, double share) {
@@ -32,7 +30,7 @@ double percentile_of(const std::vector<double>& ascending, double share) {
 constexpr std::array<Column<FibreRow>, 15> muscle_table{{
     {{"frame", "", "0: at rest"}, [](const FibreRow& r) { return fmt::format("{}", r.frame); }},
     {{"angle_deg", "deg", "of the bone that turns"},
-     [](const FibreRow& r) { return cell(r.angle_rad * degrees_per_radian); }},
+     [](const FibreRow& r) { return number_cell(r.angle_rad * degrees_per_radian); }},
     {{"muscle", "", "its name"}, [](const FibreRow& r) { return r.muscle; }},
     {{"fibres", "", "that are followed"}, [](const FibreRow& r) { return fmt::format("{}", r.lengths_m.size()); }},
     {{"min_length_m", "m", "of the shortest fibre"},
@@ -45,30 +43,31 @@ constexpr std::array<Column<FibreRow>, 15> muscle_table{{
     {{"p10_moment_arm_m", "m", "10th percentile over the fibres"},
      [](const FibreRow& r) { return of_all(r.arms_m, [](const auto& all) { return percentile_of(all, 0.1); }); }},
     {{"mean_moment_arm_m", "m", "mean over the fibres"},
-     [](const FibreRow& r) { return r.of_mean ? cell(r.of_mean->arm_m) : std::string(); }},
+     [](const FibreRow& r) { return r.of_mean ? number_cell(r.of_mean->arm_m) : std::string(); }},
     {{"p90_moment_arm_m", "m", "90th percentile over the fibres"},
      [](const FibreRow& r) { return of_all(r.arms_m, [](const auto& all) { return percentile_of(all, 0.9); }); }},
     {{"max_moment_arm_m", "m", "largest over the fibres"},
      [](const FibreRow& r) { return of_all(r.arms_m, [](const auto& all) { return all.back(); }); }},
     {{"moment_arm_error_m", "m", "of the mean: scatter of the lengths and distance of the frames"},
-     [](const FibreRow& r) { return r.of_mean ? cell(r.of_mean->error_m) : std::string(); }},
+     [](const FibreRow& r) { return r.of_mean ? number_cell(r.of_mean->error_m) : std::string(); }},
     {{"inside_share", "", "of the fibres' points that are truly inside a bone"},
-     [](const FibreRow& r) { return r.inside_share ? cell(*r.inside_share) : std::string(); }},
+     [](const FibreRow& r) { return r.inside_share ? number_cell(*r.inside_share) : std::string(); }},
     {{"max_stretch", "", "largest length of a fibre over that at rest"},
-     [](const FibreRow& r) { return cell(r.max_stretch); }},
+     [](const FibreRow& r) { return number_cell(r.max_stretch); }},
 }};
 
 constexpr std::array<Column<FibreLengthRow>, 7> fibre_table{{
     {{"frame", "", "0: at rest"}, [](const FibreLengthRow& r) { return fmt::format("{}", r.frame); }},
     {{"angle_deg", "deg", "of the bone that turns"},
-     [](const FibreLengthRow& r) { return cell(r.angle_rad * degrees_per_radian); }},
+     [](const FibreLengthRow& r) { return number_cell(r.angle_rad * degrees_per_radian); }},
     {{"muscle", "", "its name"}, [](const FibreLengthRow& r) { return r.muscle; }},
     {{"fibre", "", "1 for the first"}, [](const FibreLengthRow& r) { return fmt::format("{}", r.fibre); }},
-    {{"length_m", "m", "from the origin to the insertion"}, [](const FibreLengthRow& r) { return cell(r.length_m); }},
+    {{"length_m", "m", "from the origin to the insertion"},
+     [](const FibreLengthRow& r) { return number_cell(r.length_m); }},
     {{"moment_arm_m", "m", "change of the length with the angle, > 0: longer as the angle grows"},
-     [](const FibreLengthRow& r) { return r.arm ? cell(r.arm->arm_m) : std::string(); }},
+     [](const FibreLengthRow& r) { return r.arm ? number_cell(r.arm->arm_m) : std::string(); }},
     {{"moment_arm_error_m", "m", "by the scatter of the lengths and the distance of the frames"},
-     [](const FibreLengthRow& r) { return r.arm ? cell(r.arm->error_m) : std::string(); }},
+     [](const FibreLengthRow& r) { return r.arm ? number_cell(r.arm->error_m) : std::string(); }},
 }};
 
 /// By fibre, then by frame.

@@ -141,6 +141,7 @@ TEST(ResultsSchema, HoldsForARun) {
   RunCase run = approximate_case(scene);
   run.snapshots = {0, 2};
   run.count_self_intersections = true;
+  run.forces = true;
   RunResult result = result_of(run);
   add_fibres(scene, result);
   for (const StepRecord& record : result.records) {
@@ -158,7 +159,7 @@ TEST(ResultsSchema, HoldsForARun) {
             names_in(results_schema_json()["run"], result.effect_names, result.stage_names));
   EXPECT_EQ(header_of(folder.path() / "out" / "muscles.csv"), names_in(results_schema_json()["muscles"]));
   EXPECT_EQ(header_of(folder.path() / "out" / "pairs.csv"), names_in(results_schema_json()["pairs"]));
-  for (const char* table : {"fibres", "fibre_lengths"}) {
+  for (const char* table : {"fibres", "fibre_lengths", "forces"}) {
     EXPECT_EQ(header_of(folder.path() / "out" / (std::string(table) + ".csv")), names_in(results_schema_json()[table]));
   }
   expect_schema(manifest_in(folder.path() / "out"), ResultKind::run);
