@@ -9,6 +9,7 @@
 
 #include "core/mesh/surface_volume.hpp"
 #include "core/scene/attachment_area.hpp"
+#include "core/scene/prepare_simulation.hpp"
 #include "datasets/sharp_shapes.hpp"
 
 namespace musclebench {
@@ -41,16 +42,35 @@ double late_move(const MovedScene& run, std::size_t frames) {
 double frame_s(const Scene& scene) { return scene.loop.time_step_s * scene.loop.substeps; }
 
 std::vector<double> node_masses_kg(const Scene& scene) {
-  std::vector<double> masses(scene.muscle_mesh.vertices.size(), scene.loop.node_mass_kg);
-  if (!(scene.loop.density_kg_per_m3 > 0)) return masses;
+  std::vector<double> masses(scene.muscle_mesh.vertices.size());
   for (const Muscle& muscle : scene.muscles) {
-    const double volume_m3 =
-        std::abs(body_volume_m3(scene.muscle_mesh.vertices, scene.muscle_mesh.triangles, muscle.body));
-    const int nodes = muscle.body.last_node - muscle.body.first_node;
     std::fill(masses.begin() + muscle.body.first_node, masses.begin() + muscle.body.last_node,
-              scene.loop.density_kg_per_m3 * volume_m3 / nodes);
+              node_mass_kg(scene, muscle));
   }
   return masses;
+}
+
+HardFigures late_force_figures(const MovedScene& run, int frames, const LoadOfBones& expected) {
+  if (!run.result.force_obstacles.contacts.empty()) return {};
+  Vec3 force_n = Vec3::Zero();
+  double normal_n = 0;
+  double friction_n = 0;
+  for (const ForceRow& row : run.result.forces) {
+    if (row.source != ForceSource::bone || row.frame <= run.result.records.back().frame - frames) continue;
+    force_n += row.force_n / frames;
+    normal_n += *row.normal_n / frames;
+    friction_n += *row.friction_n / frames;
+  }
+  const std::vector<double> masses_kg = node_masses_kg(run.scene);
+  const double weight_n = 9.80665 * std::accumulate(masses_kg.begin(), masses_kg.end(), 0.0);
+  const auto off = [&](double told_n, double share) { return std::abs(told_n - share * weight_n) / weight_n; };
+  HardFigures figures{
+      {"force of bones, off the weight by a share of it", (force_n - Vec3(0, 0, weight_n)).norm() / weight_n, 0.01}};
+  if (expected.normal)
+    figures.push_back({"normal force, off its share of the weight", off(normal_n, *expected.normal), 0.01});
+  if (expected.friction)
+    figures.push_back({"friction, off its share of the weight", off(friction_n, *expected.friction), 0.01});
+  return figures;
 }
 
 void move_straight(Scene& scene, std::size_t bone, const StraightCourse& course) {

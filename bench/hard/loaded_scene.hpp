@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -30,6 +31,18 @@ double frame_s(const Scene& scene);
 
 /// Of each node, kg, as the simulation has them.
 std::vector<double> node_masses_kg(const Scene& scene);
+
+/// What bones bear, over the weight.
+struct LoadOfBones {
+  std::optional<double> normal = {};
+  std::optional<double> friction = {};
+};
+
+using HardFigures = std::vector<HardFigure>;
+
+/// How far the mean forces of bones in the last `frames` frames are from the weight of all muscles and its shares; bars
+/// of 1 %. None where the backend's response has no forces.
+HardFigures late_force_figures(const MovedScene& run, int frames, const LoadOfBones& expected = {});
 
 /// A bone's path along a straight line: `displacement_m` along `direction` at each time, from 0 to 1 over the run.
 struct StraightCourse {

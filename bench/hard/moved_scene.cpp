@@ -58,6 +58,7 @@ MovedScene moved(const HardRequest& request, Scene scene, int threads,
   require_what_effects_need(done.scene, request.backend, parameters, run.responses, run.colliders);
   run.snapshots.resize(static_cast<std::size_t>(done.scene.loop.frames) + 1);
   std::iota(run.snapshots.begin(), run.snapshots.end(), 0);
+  run.forces = true;
   run.keep_surface_depths = false;  // a shape is kept of each frame: they would take as long as the run
   done.result = run_case(run, after_frame);
   return done;
