@@ -1,4 +1,4 @@
-// The runs of one scene, unpacked: bones, the muscle's triangles, positions and depths of each node at each moment.
+// The runs of one scene, unpacked: bones, the muscle's triangles, positions, depths and pressures of each node at each moment.
 import { BufferAttribute, BufferGeometry } from "three";
 
 import { placeVertices, summed, unpackSteps, unpackTriangles, unpackWords } from "./unpack.js";
@@ -36,17 +36,19 @@ async function runData(told, vertices) {
     unpackSteps(told.positions, vertices),
     ...kinds.map(([, { text }]) => unpackWords(text, 16).then((differences) => summed(differences, vertices))),
   ]);
-  return { told, steps, depths: Object.fromEntries(kinds.map(([kind, { step_m }], i) => [kind, { step_mm: 1e3 * step_m, words: words[i] }])) };
+  const values = kinds.map(([kind, { step_m: step }], i) => [kind, { step: kind === "pressure" ? step : 1e3 * step, words: words[i] }]);
+  return { told, steps, values: Object.fromEntries(values) };
 }
 
-// `kind`: of the node, or of the deepest point of the surface around it. NaN where the run did not keep it.
-export function depthMm(run, kind, moment, node, vertices) {
-  const depths = run.depths[kind];
-  return depths ? depths.step_mm * depths.words[moment * vertices + node] : NaN;
+// `kind`: depth (mm) of the node or of the deepest point of the surface around it, or pressure (Pa) on the node. NaN where the
+// run did not keep it.
+export function valueAt(run, kind, moment, node, vertices) {
+  const values = run.values[kind];
+  return values ? values.step * values.words[moment * vertices + node] : NaN;
 }
 
-export function deepestMm(run, kind, moment, vertices) {
-  let most = run.depths[kind] ? 0 : NaN;
-  for (let node = 0; node < vertices; ++node) most = Math.max(most, depthMm(run, kind, moment, node, vertices));
+export function largestAt(run, kind, moment, vertices) {
+  let most = run.values[kind] ? 0 : NaN;
+  for (let node = 0; node < vertices; ++node) most = Math.max(most, valueAt(run, kind, moment, node, vertices));
   return most;
 }

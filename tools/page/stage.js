@@ -1,17 +1,20 @@
 // Draws runs side by side in one canvas: a cell a run, one camera for all.
 import {
-  BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, HemisphereLight, Matrix4, Mesh, MeshLambertMaterial, MeshBasicMaterial,
+  ArrowHelper, BufferAttribute, BufferGeometry, Color, DirectionalLight, DoubleSide, Group, HemisphereLight, Matrix4, Mesh, MeshLambertMaterial, MeshBasicMaterial,
   OrthographicCamera, Plane, Raycaster, Scene, SphereGeometry, Vector2, Vector3, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
-import { depthMm } from "./run_data.js";
+import { valueAt } from "./run_data.js";
 import { placeVertices } from "./unpack.js";
 
 const MUSCLE = new Color().setRGB(178 / 255, 88 / 255, 80 / 255, "srgb");
 const SCALE = ["#9fe8f2", "#37a7d8", "#1f4fb0", "#120a5c"].map((text) => new Color(text)); // as in Fig. 6
 const BONE = "#ede3c7";
 const TOUCHING_MM = 0.02; // shallower than this counts as touching
+const LEAST_PRESSURE = 1e-3; // of the upper end of the scale
+const CONTACT_ARROW = "#23874b", ATTACHMENT_ARROW = "#9b3fc0"; // told in the page's legend
+const LONGEST_ARROW = 0.6; // half heights of the view
 const FAR = 20; // half heights of the view between the camera and what it sees
 const TURN_RADIANS = 0.15;
 
@@ -48,7 +51,7 @@ export class Stage {
   }
 
   setFrame(frame, marked, kind) {
-    for (const cell of this.cells) cell.setFrame(frame, marked, this.markRadius, kind);
+    for (const cell of this.cells) cell.setFrame(frame, marked, this.half, kind);
     this.draw();
   }
 
@@ -56,7 +59,6 @@ export class Stage {
   resetCamera(side) {
     const { focus_m: focus, eye, up, half_height_m: high, half_width_m: wide } = this.data.told.camera;
     const half = Math.max(high, wide);
-    this.markRadius = 0.022 * half;
     this.camera.up.set(...up);
     this.controls.target.set(...focus);
     this.camera.position.set(...focus).addScaledVector(new Vector3(...eye), side * FAR * half);
@@ -157,7 +159,8 @@ class Cell {
     this.muscle = new Mesh(geometry, new MeshLambertMaterial({ vertexColors: true, side: DoubleSide }));
     this.mark = new Mesh(new SphereGeometry(1, 16, 12), new MeshBasicMaterial({ color: "#ffe600", depthTest: false }));
     this.mark.renderOrder = 2;
-    this.scene.add(...this.bones, this.muscle, this.mark);
+    this.arrows = new Group();
+    this.scene.add(...this.bones, this.muscle, this.mark, this.arrows);
   }
 
   dispose() {
@@ -176,7 +179,7 @@ class Cell {
     return this.run.told.frames.indexOf(frame);
   }
 
-  setFrame(frame, marked, markRadius, kind) {
+  setFrame(frame, marked, half, kind) {
     const moment = this.momentOf(frame), { vertices } = this.data.told;
     this.muscle.visible = moment >= 0;
     this.mark.visible = moment >= 0 && marked !== null;
@@ -194,16 +197,32 @@ class Cell {
     this.muscle.geometry.computeBoundingSphere();
     if (marked !== null) {
       this.mark.position.fromBufferAttribute(position, marked);
-      this.mark.scale.setScalar(markRadius);
+      this.mark.scale.setScalar(0.022 * half);
+    }
+    this.pointForces(kind === "pressure" ? this.run.told.arrows[moment] : [], half);
+  }
+
+  // What bones and other muscles do to the muscle; the largest force of all runs has the longest arrow.
+  pointForces(arrows, half) {
+    this.arrows.traverse((part) => part.geometry?.dispose());
+    this.arrows.clear();
+    for (const [x, y, z, fx, fy, fz, isAttachment] of arrows) {
+      const force = new Vector3(fx, fy, fz), length = LONGEST_ARROW * half * force.length() / this.data.told.most_n;
+      if (length < 0.02 * half) continue;
+      const arrow = new ArrowHelper(force.normalize(), new Vector3(x, y, z), length, isAttachment ? ATTACHMENT_ARROW : CONTACT_ARROW,
+                                    Math.min(0.4 * length, 0.08 * half), 0.05 * half);
+      for (const part of [arrow.line, arrow.cone]) Object.assign(part.material, { depthTest: false }), part.renderOrder = 3;
+      this.arrows.add(arrow);
     }
   }
 
   paint(colours, moment, kind) {
-    const { vertices, deepest_mm: deepest } = this.data.told, mixed = new Color();
+    const { vertices, deepest_mm: deepest, most_pa: mostPa } = this.data.told, mixed = new Color();
+    const top = kind === "pressure" ? mostPa : deepest, least = kind === "pressure" ? LEAST_PRESSURE * mostPa : TOUCHING_MM;
     for (let i = 0; i < vertices; ++i) {
-      const depth = depthMm(this.run, kind, moment, i, vertices);
-      if (depth > TOUCHING_MM) {
-        const at = Math.min(1, depth / deepest) * (SCALE.length - 1), from = Math.min(SCALE.length - 2, Math.floor(at));
+      const value = valueAt(this.run, kind, moment, i, vertices);
+      if (value > least) {
+        const at = Math.min(1, value / top) * (SCALE.length - 1), from = Math.min(SCALE.length - 2, Math.floor(at));
         mixed.copy(SCALE[from]).lerp(SCALE[from + 1], at - from).toArray(colours, 3 * i);
       } else {
         MUSCLE.toArray(colours, 3 * i);

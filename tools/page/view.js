@@ -1,6 +1,6 @@
 // A view in space with its controls: frames, play, bones, a node and what is known of it in each run.
 import { closestDistance, intoRestPose } from "./closest.js";
-import { deepestMm, depthMm, sceneData } from "./run_data.js";
+import { largestAt, sceneData, valueAt } from "./run_data.js";
 import { Stage } from "./stage.js";
 import { escaped, figure, label } from "./words.js";
 
@@ -22,7 +22,7 @@ class View {
   constructor(element, choice, told) {
     Object.assign(this, { element, choice, told, marked: null });
     const part = (name) => element.querySelector(`.${name}`);
-    this.parts = Object.fromEntries(["stage", "cells", "slider", "frame", "play", "node", "bones", "cut", "coloured", "readout", "scale-top", "missing"]
+    this.parts = Object.fromEntries(["stage", "cells", "slider", "frame", "play", "node", "bones", "cut", "coloured", "readout", "scale", "scale-low", "scale-top", "arrows", "arrow-top", "missing"]
       .map((name) => [name, part(name)]));
     try {
       this.stage = new Stage(element.querySelector("canvas"), this.parts.cells);
@@ -86,10 +86,12 @@ class View {
       if (this.choice.muscle !== told.muscle) return;
       Object.assign(this.parts.slider, { max: this.data.frames.length - 1, value: this.firstMoment() });
       Object.assign(this.parts.node, { value: "", max: told.vertices - 1 });
-      const hasSurface = this.data.runs.some((run) => run.depths.surface);
-      this.parts.coloured.parentElement.hidden = !hasSurface;
-      if (!hasSurface) this.parts.coloured.value = "node";
-      this.parts["scale-top"].textContent = `${figure(told.deepest_mm)} mm or more`;
+      const kept = [...this.parts.coloured.options].filter((option) => {
+        option.hidden = option.disabled = !this.data.runs.some((run) => run.values[option.value]);
+        return !option.hidden;
+      });
+      this.parts.coloured.parentElement.hidden = kept.length < 2;
+      if (!kept.some((option) => option.selected)) this.parts.coloured.value = kept[0]?.value ?? "node";
     }
     this.layOut();
     if (isNew) this.stage.resetCamera(1);
@@ -130,7 +132,8 @@ class View {
   }
 
   setFrame() {
-    const { vertices } = this.data.told, { kind } = this;
+    const { vertices } = this.data.told, { kind } = this, isPressure = kind === "pressure";
+    this.tellScale(isPressure);
     this.stage.setFrame(this.frame, this.marked, kind);
     const angle = this.data.runs.map(({ told }) => told.angles_deg[told.frames.indexOf(this.frame)]).find((one) => one !== undefined);
     this.parts.frame.textContent = `frame ${this.frame}, joint at ${figure(Math.round(10 * angle) / 10)}°`;
@@ -139,12 +142,25 @@ class View {
       const moment = cell.momentOf(this.frame);
       const ended = moment < 0 && `ended: ${cell.run.told.status}`;
       const least = kind === "surface" && cell.run.told.open_surface_frames.includes(this.frame) ? "at least " : "";
-      const text = ended || (cell.run.depths[kind] ? `deepest ${least}${figure(deepestMm(cell.run, kind, moment, vertices))} mm` : "depth not stored");
+      const largest = () => figure(largestAt(cell.run, kind, moment, vertices));
+      const kept = isPressure ? () => `largest pressure ${largest()} Pa` : () => `deepest ${least}${largest()} mm`;
+      const text = ended || (cell.run.values[kind] ? kept() : isPressure ? "run without --forces" : "depth not stored");
       cell.element.querySelector(".cell-depth").textContent = text;
       return `${this.choice.name(cell.run.told.backend)}: ${text}`;
     });
     this.parts.cells.setAttribute("aria-label", `${label(this.data.told.muscle)} on its bones, ${this.parts.frame.textContent}; ${told.join("; ")}`);
     this.tellNode();
+  }
+
+  tellScale(isPressure) {
+    const { deepest_mm: deepest, most_pa: mostPa, most_n: mostN } = this.data.told;
+    this.parts["scale-low"].textContent = isPressure ? "not pressed" : "outside, or less than 0.02 mm inside";
+    this.parts["scale-top"].textContent = isPressure ? `pressed with ${figure(mostPa)} Pa or more` : `${figure(deepest)} mm or more deep in a bone`;
+    this.parts.arrows.hidden = !isPressure;
+    this.parts["arrow-top"].textContent = `${figure(mostN)} N`;
+    this.parts.scale.setAttribute("aria-label", isPressure
+      ? "Colours: red is not pressed; light to dark blue is the pressure on the muscle. Arrows: forces on the muscle"
+      : "Colours: red is outside of bones or less than 0.02 mm inside; light to dark blue is the chosen depth in a bone");
   }
 
   onPick(found) {
@@ -170,9 +186,9 @@ class View {
     const lines = this.stage.cells.filter((cell) => cell.momentOf(this.frame) >= 0).map((cell) => this.nodeOf(cell));
     const bound = this.data.attached[this.marked] ? ", bound to a bone" : "";
     this.parts.readout.innerHTML = `<table><caption>Node ${this.data.order[this.marked]}${bound}, frame ${this.frame}</caption><thead><tr><th>backend</th>` +
-      "<th>depth in a bone (mm)</th><th>of the surface around it (mm)</th><th>distance to the nearest bone (mm)</th><th>bone</th></tr></thead><tbody>" +
+      "<th>depth in a bone (mm)</th><th>of the surface around it (mm)</th><th>pressure (Pa)</th><th>distance to the nearest bone (mm)</th><th>bone</th></tr></thead><tbody>" +
       lines.map((line) => `<tr><th scope="row">${escaped(line.backend)}</th><td class="number">${known(line.depth)}</td>` +
-        `<td class="number">${known(line.around)}</td>` +
+        `<td class="number">${known(line.around)}</td><td class="number">${known(line.pressure)}</td>` +
         `<td class="number">${line.distance.toFixed(2)}</td><td>${escaped(line.bone)}</td></tr>`).join("") + "</tbody></table>";
   }
 
@@ -182,8 +198,8 @@ class View {
     const found = this.data.bones.map((bone, i) => ({ bone: label(bone.name),
       distance: 1e3 * closestDistance(intoRestPose(point, cell.run.told.poses[moment][i]), bone.positions, bone.corners) }));
     const nearest = found.reduce((a, b) => (b.distance < a.distance ? b : a));
-    const depth = (kind) => depthMm(cell.run, kind, moment, this.marked, this.data.told.vertices);
-    return { backend: this.choice.name(cell.run.told.backend), depth: depth("node"), around: depth("surface"), ...nearest };
+    const value = (kind) => valueAt(cell.run, kind, moment, this.marked, this.data.told.vertices);
+    return { backend: this.choice.name(cell.run.told.backend), depth: value("node"), around: value("surface"), pressure: value("pressure"), ...nearest };
   }
 
   // A canvas of WebGL is blank on paper, and keeps its picture no longer than it takes to draw it.

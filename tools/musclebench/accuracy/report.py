@@ -18,6 +18,7 @@ from ..tables import table_formats
 from ..tables.arm_prices import arm_price_list, arm_table
 from ..tables.choices import choices_tables, rule
 from ..tables.difficulties import difficulties_table
+from ..tables.force_table import force_table
 from ..tables.outcomes import outcomes_table, shape_distances
 from ..tables.prices import price_list
 from ..tables.table_formats import Table
@@ -25,6 +26,8 @@ from . import coupled_faults
 from .aggregates import Aggregate, aggregates_of, of_mode
 from .arm_errors import RULE, arm_errors
 from .cases import StudyCase, read_cases
+from .force_errors import RULE as FORCE_RULE
+from .force_errors import force_errors
 from .front import points_of
 from .orders import cost_rows, probe_rows
 from .rows import accuracy_rows, build_seconds_of, study_rows
@@ -64,8 +67,9 @@ def write_report(out_dir: Path) -> AccuracyReport:
     floors, shapes = of_mode(aggregates, "floor"), shape_distances(coupled)
     faults = coupled_faults.faults_of(coupled, shapes)
     armed = of_mode(aggregates, "arms")
-    arms = arm_errors(armed, of_mode(aggregates, "arms_floor"))
-    made = [price_list(replays, builds), arm_price_list(armed, arms, wrong), arm_table(armed, arms),
+    armed_floors = of_mode(aggregates, "arms_floor")
+    arms, forces = arm_errors(armed, armed_floors), force_errors(armed, armed_floors)
+    made = [price_list(replays, builds), arm_price_list(armed, arms, wrong), arm_table(armed, arms), force_table(armed, forces),
             *choices_tables(replays), difficulties_table(replays), outcomes_table(coupled, shapes, floors)]
     sentence = whose({one.configuration.backend: one.configuration.about.implementation for one in aggregates})
     made = [table.with_sentence(sentence).with_sentence(caveats(out_dir)) for table in made if not table.rows.empty]
@@ -77,6 +81,7 @@ def write_report(out_dir: Path) -> AccuracyReport:
         files += _draw_offsets(replays, figures)
         files += _draw_coupled(coupled, wrong, shapes, faults, figures)
         files += _draw_arms(armed, wrong, arms, figures)
+        files += _draw_forces(armed, wrong, forces, figures)
         files += _draw_convergence(aggregates, builds, figures)
         files += _draw_stages(coupled, replays, figures)
     return AccuracyReport(files, made)
@@ -162,6 +167,23 @@ def _draw_arms(armed: list[Aggregate], wrong: set, arms: dict, folder: Path) -> 
     texts = [RULE, f"Floors: {told}." if told else "", captions.TIME, FRONT_WORDS, rule(),
              _left_out(armed, points)]
     return _with_caption(files, title, texts, _cases(armed))
+
+
+def _draw_forces(told: list[Aggregate], wrong: set, forces: dict, folder: Path) -> list[Path]:
+    files = []
+    for what, words in (("torque", "joint torque"), ("pressure", "peak contact pressure")):
+        def error(aggregate: Aggregate, key=f"{what}_percent") -> float:
+            return forces.get((aggregate.scene, aggregate.configuration), {}).get(key, math.nan)
+
+        points = points_of(told, error, wrong)
+        title = f"What a backend's accuracy is worth in {words} (coupled)"
+        drawn = draw_pareto(points, folder / f"pareto_{what}", title, f"{words} off by, RMS (%)", f"same {what}")
+        floors = {one.muscle: forces[(one.scene, one.configuration)][f"{what}_floor_percent"] for one in told
+                  if (one.scene, one.configuration) in forces}
+        numbers = ", ".join(f"{muscle.replace('_', ' ')} {floor:.2g} %" for muscle, floor in floors.items() if floor == floor)
+        texts = [FORCE_RULE, f"Floors: {numbers}." if numbers else "", captions.TIME, FRONT_WORDS, rule(), _left_out(told, points)]
+        files += _with_caption(drawn, title, texts, _cases(told))
+    return files
 
 
 def _draw_convergence(aggregates: list[Aggregate], builds: dict, folder: Path) -> list[Path]:

@@ -15,6 +15,7 @@ from ..program.cli import Problem
 from ..results.run_folder import Run, read_all, read_run
 
 MUSCLE = "muscle"
+FORCE = ("force_x_n", "force_y_n", "force_z_n")
 
 
 def runs_of(folder: Path) -> list[Run]:
@@ -65,9 +66,12 @@ def _export_run(run: Run, out: Path) -> Path:
 
 def _muscle(shot: Snapshot) -> vtk.vtkPolyData:
     """With attached of each node and, of a judged run, depth_m (> 0 inside a bone; 0 for free and bound nodes) and
-    surface_depth_m."""
+    surface_depth_m; of a run with --forces, pressure_pa and the vector contact_force_n."""
     surface = poly_data(shot.mesh.vertices_m, shot.mesh.triangles)
-    for name, values in shot.mesh.extra.items():
+    columns = dict(shot.mesh.extra)
+    if set(FORCE) <= set(columns):
+        columns["contact_force_n"] = np.column_stack([columns.pop(name) for name in FORCE])
+    for name, values in columns.items():
         array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
         array.SetName(name)
         surface.GetPointData().AddArray(array)

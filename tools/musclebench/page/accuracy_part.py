@@ -19,12 +19,15 @@ PARETO = (
     ("pareto_coupled", "remaining depth, 99th percentile (mm)", "none left"),
     ("pareto_coupled_shape", "distance to exact shape, RMS (mm)", "same shape"),
     ("pareto_moment_arm", "moment arm off by, RMS (mm)", "same arm"),
+    ("pareto_torque", "joint torque off by, RMS (%)", "same torque"),
+    ("pareto_pressure", "peak contact pressure off by, RMS (%)", "same pressure"),
 )
 TABLES = (
     ("price_list", "Price list: what a surface offset costs"),
     ("arm_price_list", "Price list: what an error of the moment arm costs"),
     ("coupled_outcomes", "Each backend moving its own muscle"),
     ("arm_errors", "Moment arms and fibre lengths"),
+    ("force_errors", "Joint torque, contact force and peak pressure"),
 )
 
 

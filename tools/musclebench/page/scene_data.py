@@ -18,8 +18,10 @@ from .packed import neighbours_order, packed_depths, packed_mesh, packed_shapes,
 MARGIN, SEEN_PERCENTS = 1.3, [0.5, 99.5]
 
 
-# What colours may show. Runs of earlier programs kept the depth of nodes only.
+# What colours may show. Runs of earlier programs kept the depth of nodes only; pressures are of runs with --forces.
 DEPTHS = {"node": "depth_m", "surface": "surface_depth_m"}
+PRESSURE = {"pressure": "pressure_pa"}
+TOP_PRESSURE_PERCENT = 99.5  # of pressed nodes: a few of them stand out
 
 
 @dataclass(frozen=True)
@@ -46,7 +48,7 @@ def scene_data(muscle: str, runs: dict[str, Run], shots: dict[str, list[Snapshot
         "corners": packed_triangles(surface.triangles, order), "order": packed_words(np.diff(order, prepend=0), 32),
         "attached": packed_words(surface.extra["attached"][order], 8),
         "bones": [{"name": name, "mesh": _shared(mesh, meshes)} for name, mesh in bones.items()],
-        "deepest_mm": _deepest_mm(same),
+        "deepest_mm": _deepest_mm(same), "most_pa": _most_pa(same), "most_n": _most_n(runs, same),
         **_seen(sight or _usual_sight(runs[first], bones, shots[first]), shapes_m),
         "runs": [_run(backend, runs[backend], kept, order) for backend, kept in same.items()],
     }
@@ -79,10 +81,33 @@ def _run(backend: str, run: Run, shots: list[Snapshot], order: np.ndarray) -> di
         "poses": [[[*np.round(rotation.ravel(), 9).tolist(), *np.round(translation_m, 9).tolist()]
                    for rotation, translation_m in shot.poses] for shot in shots],
         "step_m": shapes.step_m, "origin_m": shapes.origin_m, "positions": shapes.text,
-        "depths": {kind: _depths(column, shots, order) for kind, column in DEPTHS.items()
-                   if column in shots[0].mesh.extra and run.record["case"].get("judged", True)},
+        "depths": {kind: _depths(column, shots, order) for kind, column in (DEPTHS | PRESSURE).items()
+                   if column in shots[0].mesh.extra and (kind in PRESSURE or run.record["case"].get("judged", True))},
+        "arrows": [_arrows(run, shot.frame) for shot in shots],
         "open_surface_frames": [shot.frame for shot in shots if not shot.surface_is_complete],
     }
+
+
+def _arrows(run: Run, frame: int) -> list[list[float]]:
+    """[where it acts in m, force in N, 1: an attachment's] of what acts on the muscles in a frame."""
+    if run.forces.empty:
+        return []
+    rows = run.forces[(run.forces["frame"] == frame) & (run.forces["source"] != "joint") & (run.forces["force_n"] > 0)]
+    return [[*(round(float(row[f"at_{axis}_m"]), 6) for axis in "xyz"), *(float(f"{row[f'force_{axis}_n']:.4g}") for axis in "xyz"),
+             int(row["source"] == "attachment")] for _, row in rows.iterrows()]
+
+
+def _most_n(runs: dict[str, Run], shots: dict[str, list[Snapshot]]) -> float:
+    """The force of the longest arrow."""
+    return max((float(np.linalg.norm(arrow[3:6])) for backend, kept in shots.items() for shot in kept
+                for arrow in _arrows(runs[backend], shot.frame)), default=0.0)
+
+
+def _most_pa(shots: dict[str, list[Snapshot]]) -> float:
+    pressures = [shot.mesh.extra["pressure_pa"] for kept in shots.values() for shot in kept if "pressure_pa" in shot.mesh.extra]
+    pressed = np.concatenate(pressures) if pressures else np.zeros(0)
+    pressed = pressed[pressed > 0]
+    return float(f"{percentile(pressed, [TOP_PRESSURE_PERCENT])[0]:.2g}") if len(pressed) else 0.0
 
 
 def _depths(column: str, shots: list[Snapshot], order: np.ndarray) -> dict:

@@ -28,7 +28,12 @@ def damage(folder: Path) -> str:
         fault = _damage_of_table(folder / name, expected * rows_of_a_frame, last_frame)
         if fault:
             return fault
-    return _damage_of_fibres(folder, told)
+    return _damage_of_fibres(folder, told) or _damage_of_forces(folder, told)
+
+
+def _damage_of_forces(folder: Path, told: dict) -> str:
+    rows = told["forces"].get("rows") if isinstance(told.get("forces"), dict) else None
+    return _damage_of_table(folder / "forces.csv", rows, told["frames"] if rows else None) if isinstance(rows, int) else ""
 
 
 def _damage_of_fibres(folder: Path, told: dict) -> str:

@@ -1,4 +1,4 @@
-"""Finished runs: run.json, frames.csv, muscles.csv, pairs.csv and fibres.csv of each case, and runs.csv with one row a run."""
+"""Finished runs: run.json, frames.csv, muscles.csv, pairs.csv, fibres.csv and forces.csv of each case, and runs.csv with one row a run."""
 
 import json
 from dataclasses import dataclass, field
@@ -33,6 +33,7 @@ class Run:
     muscles: pd.DataFrame = field(default_factory=pd.DataFrame)  # muscles.csv; empty for a scene of one muscle
     pairs: pd.DataFrame = field(default_factory=pd.DataFrame)  # pairs.csv; empty for one muscle
     fibres: pd.DataFrame = field(default_factory=pd.DataFrame)  # fibres.csv; empty where none are followed
+    forces: pd.DataFrame = field(default_factory=pd.DataFrame)  # forces.csv; empty without --forces
     shares_muscle: bool = False  # with another scene of the experiment: then it goes by the scene's name
 
     @property
@@ -90,9 +91,9 @@ def read_run(folder: Path) -> Run:
     if fault:
         raise ResultProblem(f"{folder}: {fault}; run the case again")
     columns = COLUMNS_OF_MODE.get(record["case"].get("mode"), FRAME_COLUMNS)
-    muscles, pairs, fibres = (pd.read_csv(path) if path.is_file() else pd.DataFrame()
-                              for path in (folder / "muscles.csv", folder / "pairs.csv", folder / "fibres.csv"))
-    return Run(folder, record, read_frames(folder / "frames.csv", columns), muscles, pairs, fibres=fibres)
+    tables = (folder / f"{name}.csv" for name in ("muscles", "pairs", "fibres", "forces"))
+    muscles, pairs, fibres, forces = (pd.read_csv(path) if path.is_file() else pd.DataFrame() for path in tables)
+    return Run(folder, record, read_frames(folder / "frames.csv", columns), muscles, pairs, fibres=fibres, forces=forces)
 
 
 def read_frames(path: Path, columns: list[str]) -> pd.DataFrame:
