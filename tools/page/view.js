@@ -155,7 +155,7 @@ class View {
   tellScale(isPressure) {
     const { deepest_mm: deepest, most_pa: mostPa, most_n: mostN } = this.data.told;
     this.parts["scale-low"].textContent = isPressure ? "not pressed" : "outside, or less than 0.02 mm inside";
-    this.parts["scale-top"].textContent = isPressure ? `pressed with ${figure(mostPa)} Pa or more` : `${figure(deepest)} mm or more deep in a bone`;
+    this.parts["scale-top"].textContent = isPressure ? `pressed with ${figure(mostPa)} Pa or more.` : `${figure(deepest)} mm or more deep in a bone`;
     this.parts.arrows.hidden = !isPressure;
     this.parts["arrow-top"].textContent = `${figure(mostN)} N`;
     this.parts.scale.setAttribute("aria-label", isPressure

@@ -39,6 +39,7 @@ def parse_arguments():
     parser.add_argument("--no-referee", action="store_true")
     parser.add_argument("--bones-only", action="store_true")
     parser.add_argument("--no-pruning", action="store_true")
+    parser.add_argument("--forces", action="store_true")
     return parser.parse_args()
 
 

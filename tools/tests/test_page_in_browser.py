@@ -57,7 +57,7 @@ def test_a_click_on_a_node_tells_its_depth_and_distance(found):
     assert all(float(line[2]) == pytest.approx(2 * depth_mm, abs=2e-3) for line in lines)  # of the surface around it
     moved = fake_page.snapshots()[2].vertices_m[node]
     ball = fake_page.BONES["pelvis"].vertices_m.mean(axis=0)
-    assert {line[4] for line in lines} <= {"pelvis", "femur"} and all(0 <= float(line[3]) < 100 for line in lines)
+    assert {line[5] for line in lines} <= {"pelvis", "femur"} and all(0 <= float(line[4]) < 100 for line in lines)
     if lines[0][4] == "pelvis":  # a sphere of 30 mm
         away_mm = abs(1e3 * sum((moved - ball) ** 2) ** 0.5 - 30)
         assert float(lines[0][3]) == pytest.approx(away_mm, abs=1.0)

@@ -170,6 +170,7 @@ double weight_n(const Scene& scene) {
 
 const auto upward = [](const ForceRow& row) { return row.force_n.z(); };
 const auto normal = [](const ForceRow& row) { return row.normal_n.value(); };
+const auto area = [](const ForceRow& row) { return row.area_m2.value(); };
 const auto friction = [](const ForceRow& row) { return row.friction_n.value(); };
 
 TEST(Forces, OfAPlateCarryTheWeightOfWhatLiesOnIt) {
@@ -177,6 +178,8 @@ TEST(Forces, OfAPlateCarryTheWeightOfWhatLiesOnIt) {
   const RunResult run = told(scene);
   EXPECT_NEAR(late_mean(run, ForceSource::bone, "plate", 20, upward), weight_n(scene), 0.005 * weight_n(scene));
   EXPECT_NEAR(late_mean(run, ForceSource::bone, "plate", 20, normal), weight_n(scene), 0.005 * weight_n(scene));
+  // The block is 40 mm wide; its sides do not count.
+  EXPECT_NEAR(late_mean(run, ForceSource::bone, "plate", 20, area), 1.6e-3, 2e-5);
 }
 
 /// A block of 60 x 20 x 20 mm over two rails 0.4 mm wide, 15 mm to its left and right.

@@ -177,7 +177,7 @@ def _draw_forces(told: list[Aggregate], wrong: set, forces: dict, folder: Path) 
 
         points = points_of(told, error, wrong)
         title = f"What a backend's accuracy is worth in {words} (coupled)"
-        drawn = draw_pareto(points, folder / f"pareto_{what}", title, f"{words} off by, RMS (%)", f"same {what}")
+        drawn = draw_pareto(points, folder / f"pareto_{what}", title, f"{words} off by, RMS (%)", "same")
         floors = {one.muscle: forces[(one.scene, one.configuration)][f"{what}_floor_percent"] for one in told
                   if (one.scene, one.configuration) in forces}
         numbers = ", ".join(f"{muscle.replace('_', ' ')} {floor:.2g} %" for muscle, floor in floors.items() if floor == floor)

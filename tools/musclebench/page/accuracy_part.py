@@ -19,8 +19,8 @@ PARETO = (
     ("pareto_coupled", "remaining depth, 99th percentile (mm)", "none left"),
     ("pareto_coupled_shape", "distance to exact shape, RMS (mm)", "same shape"),
     ("pareto_moment_arm", "moment arm off by, RMS (mm)", "same arm"),
-    ("pareto_torque", "joint torque off by, RMS (%)", "same torque"),
-    ("pareto_pressure", "peak contact pressure off by, RMS (%)", "same pressure"),
+    ("pareto_torque", "joint torque off by, RMS (%)", "same"),
+    ("pareto_pressure", "peak contact pressure off by, RMS (%)", "same"),
 )
 TABLES = (
     ("price_list", "Price list: what a surface offset costs"),

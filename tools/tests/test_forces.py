@@ -1,0 +1,115 @@
+"""Forces of a run: the program's table, what the study makes of it, what the page shows."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import fake_runs
+from fake_study import SCENES, Truth, write_coupled
+from musclebench.accuracy import cases, report
+from musclebench.accuracy.aggregates import aggregates_of, of_mode
+from musclebench.accuracy.force_errors import force_errors
+from musclebench.page.scene_data import _arrows
+from musclebench.results.damage import damage
+from musclebench.results.force_differences import force_differences
+from musclebench.results.run_folder import read_run
+from musclebench.tables.force_table import force_table
+from program import call, needs_program
+
+COLUMNS = ("frame", "muscle", "source", "other", *(f"force_{axis}_n" for axis in "xyz"), "force_n",
+           *(f"at_{axis}_m" for axis in "xyz"), "peak_pressure_pa", "torque_n_m")
+
+
+def add_forces(folder, factor: float, muscle: str = "iliacus") -> None:
+    """Of 24 frames: a bone presses with 2 N and 100 Pa and turns with 3 N m, all times the factor."""
+    rows = []
+    for frame in range(1, 25):
+        push = dict(zip(COLUMNS, (frame, muscle, "bone", "femur", 0.0, 0.0, 2 * factor, 2 * factor, 0.01, 0.02, 0.03, 100 * factor, "")))
+        joint = dict(zip(COLUMNS, (frame, "", "joint", "femur", 0.0, 0.0, -2 * factor, 2 * factor, 0, 0, 0, "", 3 * factor)))
+        rows += [push, joint]
+    fake_runs.write_rows(folder / "forces.csv", COLUMNS, rows)
+
+
+@pytest.fixture
+def study(tmp_path):
+    raw = tmp_path / "raw"
+    for scene in SCENES:
+        name = scene.split("/")[-1]
+        add_forces(write_coupled(raw / f"{name}-e", scene, "bvh", Truth(15, arm_off_mm=0)), 1, name)
+        add_forces(write_coupled(raw / f"{name}-s", scene, "sdf", Truth(0.3, arm_off_mm=1, parameters={"cells": 64})), 1.1, name)
+        add_forces(write_coupled(raw / f"{name}-v", scene, "voxel", Truth(0.2, arm_off_mm=-4)), 0.5, name)
+        write_coupled(raw / f"{name}-p", scene, "sdf", Truth(0.1, arm_off_mm=1, parameters={"cells": 32}))
+    return tmp_path
+
+
+def test_errors_are_percent_of_the_exact_runs_forces(study):
+    told = of_mode(aggregates_of(cases.read_cases(study)), "arms")
+    errors = force_errors(told, [])
+    found = {chosen.name: error for (scene, chosen), error in errors.items() if scene == SCENES[0]}
+    assert found["bvh"]["torque_percent"] == 0 and "sdf 32" not in found
+    voxel, = (error for name, error in found.items() if name.startswith("voxel"))
+    for what in ("torque", "contact", "pressure"):
+        assert found["sdf 64"][f"{what}_percent"] == pytest.approx(10), what
+        assert voxel[f"{what}_percent"] == pytest.approx(50), what
+    assert np.isnan(voxel["torque_floor_percent"])
+    table = force_table(told, errors)
+    assert set(table.rows["configuration"]) == set(found) and len(found) == 3
+
+
+def test_the_study_writes_their_table_and_fronts(study):
+    files = report.write_report(study).files
+    assert {"force_errors.csv", "pareto_torque.png", "pareto_pressure.png"} <= {path.name for path in files}
+    assert "percent of the root mean square" in (study / "figures" / "pareto_torque.md").read_text()
+
+
+def test_a_bone_that_stands_still_has_no_torque_to_be_off(study):
+    run, other = (read_run(study / "raw" / f"{SCENES[0].split('/')[-1]}-{name}") for name in ("e", "s"))
+    for one in (run, other):
+        one.forces.drop(one.forces.index[one.forces["source"] == "joint"], inplace=True)
+    found = force_differences(other, run)
+    assert np.isnan(found["torque_percent"]) and found["contact_percent"] == pytest.approx(10)
+    run.forces.drop(run.forces.index, inplace=True)
+    assert force_differences(other, run) == {}
+
+
+def test_arrows_are_of_the_muscle(study):
+    run = read_run(study / "raw" / f"{SCENES[0].split('/')[-1]}-s")
+    assert _arrows(run, 3) == [[0.01, 0.02, 0.03, 0, 0, pytest.approx(2.2), 0]]
+    run.forces["source"] = "attachment"
+    assert _arrows(run, 3)[0][-1] == 1
+
+
+@needs_program
+def test_the_program_writes_forces_and_says_what_it_leaves_out(tmp_path):
+    out = tmp_path / "out"
+    ran = call("run", "hard/loaded_plate", "--backend", "bvh", "--no-referee", "--forces", "--loop", "frames=5", "--snapshots", "0,5",
+               "--out", str(out))
+    assert ran.returncode == 0 and "bending" in ran.stderr and "cure: a compliance" in ran.stderr
+    run = read_run(out)
+    assert set(run.forces["source"]) == {"bone"} and run.forces["frame"].tolist() == [1, 2, 3, 4, 5]
+    assert run.record["forces"]["contacts_left_out"] == "" and "iterations" in run.record["forces"]["attachments_left_out"]
+    assert damage(out) == ""
+    lines = (out / "forces.csv").read_text().splitlines(keepends=True)
+    (out / "forces.csv").write_text("".join(lines[:-1]))
+    assert damage(out) == "forces.csv has 4 of 5 rows"
+
+
+@needs_program
+def test_snapshots_hold_the_pressure_that_adds_up_to_the_force(tmp_path):
+    from musclebench.export.paraview import export_runs
+    from musclebench.results.ply import read_ply
+    out = tmp_path / "out"
+    assert call("run", "hard/loaded_plate", "--backend", "bvh", "--no-referee", "--forces", "--snapshots", "0,50", "--out", str(out)).returncode == 0
+    told = read_run(out).forces
+    mesh = read_ply(out / "snapshots" / "frame_0050.ply")
+    assert mesh.extra["force_z_n"].sum() == pytest.approx(told[told["frame"] == 50]["force_z_n"].sum(), rel=1e-9)
+    assert mesh.extra["pressure_pa"].max() == pytest.approx(told[told["frame"] == 50]["peak_pressure_pa"].max(), rel=1e-9)
+    assert not read_ply(out / "snapshots" / "frame_0000.ply").extra["pressure_pa"].any()
+    export_runs([read_run(out)], tmp_path / "vtk")
+    text = next((tmp_path / "vtk").glob("out/muscle_0050.vtp")).read_bytes()
+    assert b'Name="contact_force_n"' in text and b'Name="pressure_pa"' in text and b'Name="force_x_n"' not in text
+
+
+def test_a_table_without_forces_is_empty(tmp_path):
+    folder = fake_runs.write_run(tmp_path / "run", "synthetic/iliacus", "bvh", 5)
+    assert read_run(folder).forces.equals(pd.DataFrame())
