@@ -14,6 +14,7 @@
 #include "core/base/input_error.hpp"
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh_repair/check_mesh.hpp"
+#include "core/scene/check/effect_reach.hpp"
 #include "core/scene/check/scene_check.hpp"
 #include "core/scene/mesh_sizes.hpp"
 #include "core/scene/rest_overlap.hpp"
@@ -166,6 +167,9 @@ bool check_scene_of(const CheckRequest& request) {
   print_meshes(scene);
   print_overlaps(scene);
   print_attachments(scene);
+  for (const EffectReach& reach : effect_reaches(scene)) {
+    fmt::print("effect {} acts on: {}\n", reach.effect, reach.text());
+  }
   print_verdict(scene, warnings, findings);
   return scene.obstacles.empty();
 }

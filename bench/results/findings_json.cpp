@@ -1,5 +1,7 @@
 #include "bench/results/findings_json.hpp"
 
+#include "core/scene/check/effect_reach.hpp"
+
 namespace musclebench {
 
 Json json_of(const Finding& finding) {
@@ -31,6 +33,13 @@ Json json_of_check(const Scene& scene, const std::vector<SceneWarning>& warnings
   Json json = {{"scene", scene.name}, {"preset", scene.preset}, {"obstacles", scene.obstacles}};
   json["warnings"] = json_of(warnings);
   json["added_effects"] = json_of_added(scene);
+  json["acts_on"] = Json::object();
+  for (const EffectReach& reach : effect_reaches(scene)) {
+    json["acts_on"][std::string(reach.effect)] = {{"nodes_against_bones", reach.nodes},
+                                                  {"faces_and_edges_against_bones", reach.surface},
+                                                  {"muscles", reach.muscles},
+                                                  {"itself", reach.itself}};
+  }
   json["findings"] = Json::array();
   for (const Finding& finding : findings) json["findings"].push_back(json_of(finding));
   return json;
