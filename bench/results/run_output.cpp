@@ -7,10 +7,10 @@
 
 #include "bench/results/fibre_output.hpp"
 #include "bench/results/findings_json.hpp"
+#include "bench/results/force_output.hpp"
 #include "bench/results/manifest.hpp"
 #include "bench/results/result_folder.hpp"
 #include "core/base/output_file.hpp"
-#include "core/base/table_file.hpp"
 #include "core/measure/muscle_record.hpp"
 #include "core/measure/outcome_limits.hpp"
 #include "core/measure/pair_record.hpp"
@@ -187,11 +187,7 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["crossings"] = json_of_crossings(run.scene, result);
   json["limits"] = json_of_limits();
   json["snapshots"] = json_of_snapshots(result);
-  if (run.forces) {
-    json["forces"] = {{"rows", result.forces.size()},
-                      {"contacts_left_out", result.force_obstacles.contacts},
-                      {"attachments_left_out", result.force_obstacles.attachments}};
-  }
+  if (run.forces) json["forces"] = json_of_forces(result);
   if (!result.fibres_refused.empty()) json["fibres_refused"] = result.fibres_refused;
   if (!result.followed_fibres.empty()) {
     json["fibres"] = json_of_fibres(result);
@@ -295,9 +291,7 @@ void write_files(const fs::path& folder, const RunCase& run, const RunResult& re
     }
   }
   if (!result.followed_fibres.empty()) write_fibres(folder, run, result);
-  if (run.forces) {
-    write_table_file(folder / "forces.csv", force_columns(), std::span<const ForceRow>(result.forces));
-  }
+  if (run.forces) write_forces(folder, result);
   if (run.scene.auto_effects.wanted) {
     OutputFile scene(folder / "resolved_scene.toml");
     scene.stream() << run.scene.auto_effects.resolved_text;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "bench/results/fibre_output.hpp"
+#include "bench/results/force_output.hpp"
 #include "core/base/percentile.hpp"
 
 namespace musclebench {
@@ -136,7 +137,7 @@ std::string run_summary(const RunCase& run, const RunResult& result) {
   text += attachments_of(run, result) + times_of(result) + structures_of(result);
   text +=
       result.outcome.max_depth_m ? depths_of(result.outcome) : "  depths                        unknown (not judged)\n";
-  return text + shape_of(result.outcome) + fibre_summary(run, result) +
+  return text + shape_of(result.outcome) + force_summary(result) + fibre_summary(run, result) +
          fmt::format("  state hash                    {}\n", result.state_hash);
 }
 

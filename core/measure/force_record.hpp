@@ -23,8 +23,8 @@ enum class ForceSource {
 /// bone.
 struct ForceRow {
   int frame = 0;
-  double angle_rad = 0;  ///< of the bone that turns
-  std::string muscle;    ///< empty for a joint
+  double angle_rad = 0;     ///< of the bone that turns
+  std::string muscle = {};  ///< empty for a joint
   ForceSource source = ForceSource::bone;
   std::string other = {};  ///< the bone, muscle or attachment that exerts the force; a joint's bone
   Vec3 force_n = Vec3::Zero();

@@ -40,9 +40,12 @@ void FrameImpulses::begin_substep(double time_step_s) {
 }
 
 void FrameImpulses::end_frame() {
+  const double largest = m_contact_size.empty() ? 0 : std::ranges::max(m_contact_size);
   for (int node = 0; node < static_cast<int>(m_contact_sum.size()); ++node) {
     const Vec3 unknown = of_contacts(node) - m_by_collider.known(node);
-    if (unknown.norm() <= rounding * m_contact_size[static_cast<std::size_t>(node)]) continue;
+    if (unknown.norm() <= rounding * std::max(m_contact_size[static_cast<std::size_t>(node)], rounding * largest)) {
+      continue;
+    }
     m_by_collider.add(node, m_by_collider.unknown(), m_time_step_s * unknown, Vec3::Zero());
   }
 }

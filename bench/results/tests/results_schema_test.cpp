@@ -144,6 +144,7 @@ TEST(ResultsSchema, HoldsForARun) {
   run.forces = true;
   RunResult result = result_of(run);
   add_fibres(scene, result);
+  result.forces.push_back({.source = ForceSource::joint, .other = "bone", .torque_n_m = 0.1});  // no bone turns here
   for (const StepRecord& record : result.records) {
     ASSERT_EQ(record.pairs.size(), 2 * scene.bones.size() + 1);
     const PairRecord& touching = record.pairs.back();

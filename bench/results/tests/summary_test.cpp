@@ -52,6 +52,27 @@ TEST_F(RunSummary, SaysAllThatIsWrong) {
   }
 }
 
+TEST_F(RunSummary, TellsTorquesAndTheLargestContact) {
+  EXPECT_FALSE(contains(text(), "torque"));
+  for (const double torque_n_m : {0.5, -2.0, 1.0}) {
+    ForceRow joint;
+    joint.source = ForceSource::joint;
+    joint.other = "femur";
+    joint.torque_n_m = torque_n_m;
+    m_result.forces.push_back(joint);
+    ForceRow contact;
+    contact.frame = static_cast<int>(10 * (torque_n_m + 3));
+    contact.muscle = "ball";
+    contact.other = "plate";
+    contact.normal_n = 3 * torque_n_m;
+    contact.peak_pressure_pa = 100 * torque_n_m;
+    m_result.forces.push_back(contact);
+  }
+  EXPECT_TRUE(contains(text(), " -2 to 1 N m")) << text();
+  EXPECT_TRUE(contains(text(), "3 N (ball on plate, frame 40)")) << text();
+  EXPECT_TRUE(contains(text(), "100 Pa (ball on plate, frame 40)")) << text();
+}
+
 TEST_F(RunSummary, FramesThatWarmUpAreInNoMedian) {
   for (const auto& [frame_ms, warm_up] : {std::pair(90, true), {80, true}, {1, false}, {3, false}, {8, false}}) {
     StepRecord record;
