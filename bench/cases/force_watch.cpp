@@ -1,11 +1,14 @@
 #include "bench/cases/force_watch.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <set>
 #include <utility>
 
 #include <fmt/format.h>
+
+#include "core/scene/prepare_simulation.hpp"
 
 namespace musclebench {
 
@@ -32,6 +35,13 @@ struct Load {
   }
 };
 
+/// Of the triangles about a node: a corner of a box has a third of them on each side. A push that looks past all of
+/// them would have no area.
+constexpr double least_facing = 0.25;
+
+/// Share of all contact that may be of an unknown collider in the row of a joint.
+constexpr double most_unknown = 0.001;
+
 double number_or(const SceneEffect& effect, const char* name, double otherwise) {
   const auto found = effect.parameters.values().find(name);
   return found == effect.parameters.values().end() ? otherwise : std::get<double>(found->second);
@@ -44,6 +54,23 @@ bool depends_on_iterations(const SceneEffect& effect, bool has_fibres) {
     return false;
   const bool is_softened = has_fibres && number_or(effect, "anisotropy_exponent", 0) > 0;
   return number_or(effect, "stiffness", 1) < 1 || number_or(effect, "projection_scale", 1) < 1 || is_softened;
+}
+
+/// A constraint whose compliance over the squared time step is far below the inverse masses is never reached by few
+/// iterations: its force grows with their number. Measured on activated fibres: proportional to it at a ratio of 0.001.
+constexpr double least_softness = 0.1;
+
+/// The longest time step with which the effect's edges are soft enough, s; 0 where it asks for none.
+double longest_step_s(const Scene& scene, const SceneEffect& effect) {
+  const double compliance = number_or(effect, "compliance_m_per_n", 0);
+  double longest_s = 0;
+  for (const Muscle& muscle : scene.muscles) {
+    const double both_per_kg = 2 / node_mass_kg(scene, muscle);
+    if (compliance / (scene.loop.time_step_s * scene.loop.time_step_s) < least_softness * both_per_kg) {
+      longest_s = std::sqrt(compliance / (least_softness * both_per_kg));
+    }
+  }
+  return longest_s;
 }
 
 void add_reason(std::string& reasons, const std::string& reason) { reasons += (reasons.empty() ? "" : "; ") + reason; }
@@ -76,6 +103,12 @@ ForceObstacles force_obstacles(const Scene& scene, const std::vector<ResponseKin
   const bool has_fibres = std::ranges::any_of(
       scene.muscles, [](const Muscle& m) { return !m.fibres.empty() || m.fibres_between_attachments; });
   for (const SceneEffect& effect : scene.effects) {
+    if (const double step_s = longest_step_s(scene, effect); step_s > 0 && of_all.empty()) {
+      add_reason(found.attachments,
+                 fmt::format("{} is too stiff for its time step, and its force grows with the number "
+                             "of iterations (cure: loop.time_step_s = {:.2g}, with more substeps)",
+                             effect.name, step_s));
+    }
     if (!depends_on_iterations(effect, has_fibres)) continue;
     add_reason(found.attachments,
                fmt::format("{} corrects a part of its error only, and so depends on the number of "
@@ -136,12 +169,15 @@ double ForceWatch::area_facing_m2(int node, const Vec3& push_n, std::span<const 
   const auto at = [&](int corner) -> const Vec3& { return positions[static_cast<std::size_t>(corner)]; };
   const Vec3 inward = push_n.stableNormalized();
   double area_m2 = 0;
+  double whole_m2 = 0;
   const auto index = static_cast<std::size_t>(node);
   for (std::size_t i = m_first_triangle[index]; i < m_first_triangle[index + 1]; ++i) {
     const auto& [a, b, c] = m_scene.muscle_mesh.triangles[m_triangles[i]];
-    area_m2 += std::max(0.0, -inward.dot((at(b) - at(a)).cross(at(c) - at(a)))) / 6;
+    const Vec3 sixth_m2 = (at(b) - at(a)).cross(at(c) - at(a)) / 6;
+    area_m2 += std::max(0.0, -inward.dot(sixth_m2));
+    whole_m2 += sixth_m2.norm();
   }
-  return area_m2;
+  return std::max(area_m2, least_facing * whole_m2);
 }
 
 void ForceWatch::list_triangles_of_nodes() {
@@ -167,6 +203,8 @@ std::vector<ForceRow> ForceWatch::frame(int number, const Simulation& simulation
   const std::size_t bones = m_scene.bones.size();
   std::vector<Load> of_bones(bones);
   std::vector<ForceRow> rows;
+  double unknown_n = 0;
+  double told_n = 0;
 
   const auto add_contact = [&](std::size_t muscle, std::size_t collider) {
     const Body& body = m_bodies[muscle];
@@ -181,7 +219,7 @@ std::vector<ForceRow> ForceWatch::frame(int number, const Simulation& simulation
       row.force_n += force_n;
       friction_n += force_n - push_n;
       on_other.add(positions[static_cast<std::size_t>(node)], -force_n);
-      const double area = area_facing_m2(node, push_n, positions);
+      const double area = push_n.isZero(0) ? 0 : area_facing_m2(node, push_n, positions);
       normal_n += push_n.norm();
       area_m2 += area;
       if (area > 0) peak_pa = std::max(peak_pa, push_n.norm() / area);
@@ -192,7 +230,7 @@ std::vector<ForceRow> ForceWatch::frame(int number, const Simulation& simulation
     row.area_m2 = area_m2;
     row.peak_pressure_pa = peak_pa;
     if (collider < bones) {
-      row.other = m_scene.bones[collider].name;
+      row.other = row.bone = m_scene.bones[collider].name;
       row.torque_n_m = torque_n_m(static_cast<int>(collider), on_other.moment_n_m, on_other.force_n);
       of_bones[collider].add(on_other);
     } else if (collider == contacts.unknown()) {
@@ -202,6 +240,8 @@ std::vector<ForceRow> ForceWatch::frame(int number, const Simulation& simulation
       row.source = is_itself ? ForceSource::itself : ForceSource::muscle;
       row.other = m_bodies[collider - bones].name;
     }
+    if (collider == contacts.unknown()) unknown_n += row.force_n.norm();
+    told_n += row.force_n.norm();
     // Every bone has its row in every frame; what else there may be only where it is.
     if (collider < bones || !row.force_n.isZero(0) || normal_n > 0) rows.push_back(std::move(row));
   };
@@ -216,12 +256,17 @@ std::vector<ForceRow> ForceWatch::frame(int number, const Simulation& simulation
     if (!m_obstacles.attachments.empty()) break;
     Load on_bone;
     Vec3 active_n = Vec3::Zero();
+    Vec3 of_effects_n = Vec3::Zero();
     for (const int node : carried.nodes) {
       Vec3 sum_n = Vec3::Zero();
       for (std::size_t effect = 0; effect < effects.size(); ++effect) {
         const Vec3 force_n = per_duration * impulses.of_effect(effect, node);
         sum_n += force_n;
         if (effects[effect]->name() == "activation") active_n += force_n;
+      }
+      of_effects_n += sum_n;
+      for (std::size_t collider = 0; collider < contacts.colliders(); ++collider) {
+        sum_n += per_duration * contacts.at(collider, node);
       }
       on_bone.add(positions[static_cast<std::size_t>(node)], sum_n);
     }
@@ -230,9 +275,10 @@ std::vector<ForceRow> ForceWatch::frame(int number, const Simulation& simulation
                  .muscle = m_bodies[carried.muscle].name,
                  .source = ForceSource::attachment,
                  .other = carried.name,
+                 .bone = m_scene.bones[static_cast<std::size_t>(carried.bone)].name,
                  .force_n = -on_bone.force_n,
                  .at_m = on_bone.at_m()};
-    const Vec3 passive_n = on_bone.force_n - active_n;
+    const Vec3 passive_n = of_effects_n - active_n;
     const Vec3 along = (active_n.isZero(0) ? passive_n : active_n).stableNormalized();
     row.active_n = along.dot(active_n);
     row.passive_n = along.dot(passive_n);
@@ -242,6 +288,8 @@ std::vector<ForceRow> ForceWatch::frame(int number, const Simulation& simulation
   }
 
   for (std::size_t bone = 0; bone < bones; ++bone) {
+    // A joint is not known where contact does not tell its bone.
+    if (unknown_n > most_unknown * told_n) break;
     if (!m_axes[bone] || !m_obstacles.contacts.empty() || !m_obstacles.attachments.empty()) continue;
     rows.push_back(
         {.frame = number,
@@ -249,6 +297,7 @@ std::vector<ForceRow> ForceWatch::frame(int number, const Simulation& simulation
          .muscle = "",
          .source = ForceSource::joint,
          .other = m_scene.bones[bone].name,
+         .bone = m_scene.bones[bone].name,
          .force_n = of_bones[bone].force_n,
          .at_m = m_axes[bone]->centre_m,
          .torque_n_m = torque_n_m(static_cast<int>(bone), of_bones[bone].moment_n_m, of_bones[bone].force_n)});
@@ -265,13 +314,14 @@ NodeForces ForceWatch::at_nodes(const Simulation& simulation) const {
   const double per_duration = impulses.duration_s() > 0 ? 1 / impulses.duration_s() : 0;
   const std::vector<Vec3>& positions = simulation.positions();
   for (int node = 0; node < static_cast<int>(positions.size()); ++node) {
-    Vec3 push_n = Vec3::Zero();
+    double pressure_pa = 0;  // of all colliders: what pinches a node adds up
     for (std::size_t collider = 0; collider < contacts.colliders(); ++collider) {
-      push_n += per_duration * contacts.push_at(collider, node);
+      const Vec3 push_n = per_duration * contacts.push_at(collider, node);
+      const double area_m2 = push_n.isZero(0) ? 0 : area_facing_m2(node, push_n, positions);
+      if (area_m2 > 0) pressure_pa += push_n.norm() / area_m2;
     }
-    const double area_m2 = area_facing_m2(node, push_n, positions);
     nodes.forces_n.push_back(per_duration * impulses.of_contacts(node));
-    nodes.pressures_pa.push_back(area_m2 > 0 ? push_n.norm() / area_m2 : 0);
+    nodes.pressures_pa.push_back(pressure_pa);
   }
   return nodes;
 }

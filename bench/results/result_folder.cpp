@@ -131,6 +131,11 @@ bool has_all_fibres(const Json& manifest, const fs::path& folder) {
          rows_in(folder / "fibre_lengths.csv").count == states * fibres;
 }
 
+bool has_all_forces(const Json& manifest, const fs::path& folder) {
+  const auto rows = integer_at(manifest.value("forces", Json::object()), "rows");
+  return !rows || rows_in(folder / "forces.csv").count == *rows;
+}
+
 /// Whether tables have the rows that run.json tells of: a full disk or a copy that was stopped may have cut it.
 bool has_all_rows(const Json& manifest, const fs::path& table) {
   constexpr std::int64_t rows_of_a_probed_bone = 3;  // smooth, sharp and all
@@ -151,7 +156,7 @@ bool has_all_rows(const Json& manifest, const fs::path& table) {
   return frames && last_frame && is_whole(table, 1) &&
          (muscles == 0 || is_whole(table.parent_path() / "muscles.csv", muscles)) &&
          (pairs == 0 || is_whole(table.parent_path() / "pairs.csv", pairs)) &&
-         has_all_fibres(manifest, table.parent_path());
+         has_all_fibres(manifest, table.parent_path()) && has_all_forces(manifest, table.parent_path());
 }
 
 /// A folder is replaced only when it is empty or holds a run and nothing else.
@@ -166,9 +171,9 @@ void require_replaceable(const fs::path& folder) {
   if (current == folder || current.string().starts_with(folder.string() + "/")) {
     throw InputError(folder.string(), "holds the current folder and can't be replaced; choose another --out");
   }
-  static const std::set<std::string> of_a_run = {"run.json",  "frames.csv", "muscles.csv",        "pairs.csv",
-                                                 "probe.csv", "snapshots",  "fibres.csv",         "fibre_lengths.csv",
-                                                 "meshes",    "case.json",  "resolved_scene.toml"};
+  static const std::set<std::string> of_a_run = {
+      "run.json",   "frames.csv", "muscles.csv",       "pairs.csv", "probe.csv", "snapshots",
+      "fibres.csv", "forces.csv", "fibre_lengths.csv", "meshes",    "case.json", "resolved_scene.toml"};
   const bool foreign = std::any_of(fs::directory_iterator(folder), fs::directory_iterator(), [](const auto& entry) {
     return of_a_run.count(entry.path().filename().string()) == 0;
   });

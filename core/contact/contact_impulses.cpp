@@ -32,7 +32,6 @@ void ContactImpulses::clear() {
 
 void ContactImpulses::add(int node, std::size_t collider, const Vec3& moved_kg_m, const Vec3& pushed_kg_m) {
   const auto index = static_cast<std::size_t>(node);
-  if (m_inverse_masses[index] == 0) return;
   const Vec3 impulse = m_per_time_step * moved_kg_m;
   m_known[index] += impulse;
   m_impulses[collider * m_known.size() + index] += impulse;

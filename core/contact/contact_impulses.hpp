@@ -18,7 +18,8 @@ namespace musclebench {
 /// with the node's mass m.
 class ContactImpulses {
  public:
-  /// `inverse_masses` by node, 1/kg; nodes of inverse mass 0 are moved by nothing.
+  /// `inverse_masses` by node, 1/kg. A node of inverse mass 0 is moved by nothing: what a contact does to it is passed
+  /// on to the bone that carries it.
   ContactImpulses(std::vector<Body> muscles, std::size_t bones, std::span<const double> inverse_masses);
 
   [[nodiscard]] std::size_t colliders() const { return m_bones + m_muscles.size() + 1; }

@@ -11,6 +11,7 @@ class Damping final : public Effect {
   explicit Damping(double rate_per_s) : m_rate_per_s(rate_per_s) {}
 
   [[nodiscard]] std::string_view name() const override { return "damping"; }
+  [[nodiscard]] bool is_force() const override { return true; }
 
   void apply_force(const NodeRows& rows, std::span<NodeRow> velocities, const SubstepInput& input,
                    const Team& team) override {

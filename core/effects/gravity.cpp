@@ -9,6 +9,7 @@ class Gravity final : public Effect {
   explicit Gravity(const Vec3& acceleration_m_per_s2) : m_acceleration_m_per_s2(acceleration_m_per_s2) {}
 
   [[nodiscard]] std::string_view name() const override { return "gravity"; }
+  [[nodiscard]] bool is_force() const override { return true; }
 
   void apply_force(const NodeRows& rows, std::span<NodeRow> velocities, const SubstepInput& input,
                    const Team& team) override {

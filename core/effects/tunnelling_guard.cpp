@@ -9,6 +9,7 @@
 #include "core/base/portable_math.hpp"
 #include "core/clearance/clearance_cache.hpp"
 #include "core/clearance/stage_surface.hpp"
+#include "core/contact/contact_impulses.hpp"
 
 namespace musclebench {
 
@@ -217,7 +218,12 @@ class TunnellingGuard final : public ContactStage {
                                          ? m_bones[bone].hold_by_angle(node, path, *m_least_cosine, clearance_m)
                                          : m_bones[bone].hold_by_crossing(node, path, clearance_m);
     if (held) {
-      predicted = pose.apply(*held);
+      const Vec3 back = pose.apply(*held);
+      if (input.impulses != nullptr) {
+        const Vec3 moved_kg_m = (back - predicted) / input.impulses->inverse_mass(node);
+        input.impulses->add(node, bone, moved_kg_m, moved_kg_m);
+      }
+      predicted = back;
       m_held.push_back(node);
     } else if (clearance_m > 0) {
       m_clearances.store(static_cast<int>(bone), node, path.to, clearance_m);

@@ -11,7 +11,7 @@ namespace musclebench {
 
 namespace {
 
-constexpr std::array<Column<ForceRow>, 19> force_table{{
+constexpr std::array<Column<ForceRow>, 20> force_table{{
     {{"frame", "", "1 for the first"}, [](const ForceRow& r) { return fmt::format("{}", r.frame); }},
     {{"angle_deg", "deg", "of the bone that turns"},
      [](const ForceRow& r) { return number_cell(r.angle_rad * degrees_per_radian); }},
@@ -22,6 +22,8 @@ constexpr std::array<Column<ForceRow>, 19> force_table{{
       "muscles do to a bone"},
      [](const ForceRow& r) { return std::string(name_of(r.source)); }},
     {{"other", "", "the bone, muscle or attachment that exerts the force"}, [](const ForceRow& r) { return r.other; }},
+    {{"bone", "", "that touches or carries the muscle, or a joint's; empty elsewhere"},
+     [](const ForceRow& r) { return r.bone; }},
     {{"force_x_n", "N", "mean over the frame, along x of the world"},
      [](const ForceRow& r) { return number_cell(r.force_n.x()); }},
     {{"force_y_n", "N", "along y"}, [](const ForceRow& r) { return number_cell(r.force_n.y()); }},
@@ -33,7 +35,7 @@ constexpr std::array<Column<ForceRow>, 19> force_table{{
     {{"at_z_m", "m", "along z"}, [](const ForceRow& r) { return number_cell(r.at_m.z()); }},
     {{"normal_n", "N", "of contact: sum of the sizes of all pushes along normals"},
      [](const ForceRow& r) { return number_cell(r.normal_n); }},
-    {{"friction_n", "N", "of contact: size of the sum of all friction"},
+    {{"friction_n", "N", "of contact: size of the sum of all that does not push along normals"},
      [](const ForceRow& r) { return number_cell(r.friction_n); }},
     {{"area_m2", "m2", "of contact: that faces the pushes, of each pushed node a third of the triangles about it"},
      [](const ForceRow& r) { return number_cell(r.area_m2); }},

@@ -27,6 +27,7 @@ struct ForceRow {
   std::string muscle = {};  ///< empty for a joint
   ForceSource source = ForceSource::bone;
   std::string other = {};  ///< the bone, muscle or attachment that exerts the force; a joint's bone
+  std::string bone = {};   ///< that touches or carries the muscle; a joint's; empty elsewhere
   Vec3 force_n = Vec3::Zero();
   Vec3 at_m = Vec3::Zero();  ///< the mean of its nodes, each by the size of its force; a point of a joint's axis
   // Of contact.

@@ -30,6 +30,9 @@ class Effect {
   // Every thread of `team` calls these functions at once and does its share. The bits of the result must not depend on
   // the size of the team.
 
+  /// Whether the effect changes velocities and nothing else.
+  [[nodiscard]] virtual bool is_force() const { return false; }
+
   /// Called once in each substep, before the prediction. Forces change `velocities` (m/s), which has a row for each of
   /// `rows`.
   virtual void apply_force(const NodeRows& /*rows*/, std::span<NodeRow> /*velocities*/, const SubstepInput& /*input*/,

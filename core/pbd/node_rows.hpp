@@ -57,15 +57,14 @@ class NodeRows {
   const NodeRow& operator[](std::size_t row) const { return m_rows[row]; }
   [[nodiscard]] NodeRow* data() { return m_rows.data(); }
 
-  /// From now on constraints add up their impulses.
-  void record_impulses() { m_impulses.resize(m_rows.size()); }
-  /// By row, padding included: the sum of mass times correction over the constraints that act on a node, kg m. Of a
-  /// node that a bone carries too, which is not moved: its bone bears them. Null: nobody asks.
-  [[nodiscard]] NodeRow* impulses() { return m_impulses.empty() ? nullptr : m_impulses.data(); }
+  /// Where constraints add up what they do from now on, by row, padding included: mass times correction, kg m. Of a
+  /// node that a bone carries, too, which is not moved: its bone bears them. Null: nobody asks.
+  void set_impulses(NodeRow* impulses) { m_impulses = impulses; }
+  [[nodiscard]] NodeRow* impulses() { return m_impulses; }
 
  private:
   std::vector<NodeRow> m_rows = std::vector<NodeRow>(1);
-  std::vector<NodeRow> m_impulses;
+  NodeRow* m_impulses = nullptr;
 };
 
 }  // namespace musclebench

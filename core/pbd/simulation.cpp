@@ -146,7 +146,7 @@ const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer)
   const double time_step_s = m_loop.time_step_of_s(frame);
   m_lost.clear();
   m_was_stopped = false;
-  if (m_impulses) m_impulses->begin_frame();
+  if (m_impulses) m_impulses->begin_frame(time_step_s);
   m_depenetration_m = m_loop.depenetration_m_per_s > 0 ? m_loop.depenetration_m_per_s * time_step_s / m_loop.iterations
                                                        : std::numeric_limits<double>::infinity();
   for (m_substep = 0; m_substep < m_loop.substeps && !has_ended();) {
@@ -166,7 +166,7 @@ const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer)
 }
 
 void Simulation::step(const SubstepInput& input, bool last_of_frame, CollisionObserver* observer) {
-  if (m_impulses) m_impulses->begin_substep(input.time_step_s);
+  if (m_impulses) m_impulses->begin_substep();
   for (int iteration = 1; iteration <= m_loop.iterations; ++iteration) {
     run_team(m_threads, m_barrier, [&](const Team& team) {
       if (iteration == 1) {
@@ -181,9 +181,10 @@ void Simulation::step(const SubstepInput& input, bool last_of_frame, CollisionOb
     collide(last_of_frame && iteration == m_loop.iterations, observer);
     if (has_ended()) return;
   }
-  if (m_impulses) m_impulses->begin_contacts(m_positions, m_predicted);
+  const bool records_end = m_impulses && !m_stages.empty();
+  if (records_end) m_impulses->begin_contacts(m_positions, m_predicted);
   run_stages(&ContactStage::end_substep, m_contacts);
-  if (m_impulses) m_impulses->add_contacts(m_positions, m_predicted, {});
+  if (records_end) m_impulses->add_contacts(m_positions, m_predicted, {});
   if (has_ended()) return;
   run_team(m_threads, m_barrier, [&](const Team& team) { finish_substep(input.time_step_s, team); });
 }
@@ -191,12 +192,13 @@ void Simulation::step(const SubstepInput& input, bool last_of_frame, CollisionOb
 void Simulation::apply_forces(const SubstepInput& input, const Team& team) {
   for (std::size_t i = 0; i < m_effects.size(); ++i) {
     const TeamTimer timer(m_times.effects_ns[i], team);
-    if (m_impulses) {
+    const bool is_recorded = m_impulses && m_effects[i]->is_force();
+    if (is_recorded) {
       if (team.is_first()) m_impulses->velocities_before() = m_velocities;
       team.wait();
     }
     m_effects[i]->apply_force(m_rows, m_velocities, input, team);
-    if (m_impulses) record_force(i, team);
+    if (is_recorded) record_force(i, input.time_step_s, team);
   }
 }
 
@@ -216,8 +218,11 @@ void Simulation::project(const SubstepInput& input, const Team& team) {
   for (std::size_t i = 0; i < m_effects.size(); ++i) {
     {
       const TeamTimer timer(m_times.effects_ns[i], team);
+      if (m_impulses) {
+        if (team.is_first()) m_rows.set_impulses(m_impulses->of_effect(i));
+        team.wait();
+      }
       m_effects[i]->project(m_rows, input, team);
-      if (m_impulses) record_constraints(i, input.time_step_s, team);
     }
     tell_watch(m_effects[i]->name(), team);
   }
@@ -237,28 +242,19 @@ void Simulation::record_impulses(std::vector<Body> muscles) {
   for (std::size_t row = 0; row < m_rows.size(); ++row) {
     inverse_masses[static_cast<std::size_t>(m_order.node_in(row))] = m_rows[row].inverse_mass;
   }
-  m_impulses = std::make_unique<FrameImpulses>(std::move(muscles), m_poses.size(), inverse_masses, m_effects.size());
-  m_rows.record_impulses();
+  m_impulses =
+      std::make_unique<FrameImpulses>(std::move(muscles), m_poses.size(), m_order, inverse_masses, m_effects.size());
 }
 
-void Simulation::record_force(std::size_t effect, const Team& team) {
+void Simulation::record_force(std::size_t effect, double time_step_s, const Team& team) {
   team.wait();
   const auto [first, last] = team.share(m_rows.size());
   for (std::size_t row = first; row < last; ++row) {
     const double inverse_mass = m_rows[row].inverse_mass;
     if (inverse_mass == 0) continue;
     const NodeRow change = m_velocities[row] - m_impulses->velocities_before()[row];
-    m_impulses->add_of_effect(effect, m_order.node_in(row), change.position() / inverse_mass);
-  }
-}
-
-void Simulation::record_constraints(std::size_t effect, double time_step_s, const Team& team) {
-  team.wait();
-  const auto [first, last] = team.share(m_rows.size());
-  for (std::size_t row = first; row < last; ++row) {
-    NodeRow& impulse = m_rows.impulses()[row];
-    m_impulses->add_of_effect(effect, m_order.node_in(row), impulse.position() / time_step_s);
-    impulse = NodeRow();
+    NodeRow& sum = m_impulses->of_effect(effect)[row];
+    sum = sum + time_step_s / inverse_mass * change;
   }
 }
 
@@ -307,7 +303,6 @@ void Simulation::collide(bool last_of_frame, CollisionObserver* observer) {
   }
   if (m_impulses) m_impulses->begin_contacts(m_positions, m_predicted);
   run_stages(&ContactStage::before_bones, {});
-  if (m_impulses) m_impulses->add_contacts(m_positions, m_predicted, {});
   if (has_ended()) return;
   const CollisionStep step{m_positions, m_previous_poses, m_predicted, m_poses, last_of_frame};
   if (observer != nullptr) {

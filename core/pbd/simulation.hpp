@@ -201,8 +201,7 @@ class Simulation {
   void collide(bool last_of_frame, CollisionObserver* observer);
   void find_contacts();
   void respond();
-  void record_force(std::size_t effect, const Team& team);
-  void record_constraints(std::size_t effect, double time_step_s, const Team& team);
+  void record_force(std::size_t effect, double time_step_s, const Team& team);
   void look_at_positions(const Team& team);
   void look_at_moves(double time_step_s, const Team& team);
   void finish_substep(double time_step_s, const Team& team);

@@ -204,7 +204,7 @@ class Cell {
 
   // What bones and other muscles do to the muscle; the largest force of all runs has the longest arrow.
   pointForces(arrows, half) {
-    this.arrows.traverse((part) => part.geometry?.dispose());
+    this.arrows.traverse((part) => (part.geometry?.dispose(), part.material?.dispose()));
     this.arrows.clear();
     for (const [x, y, z, fx, fy, fz, isAttachment] of arrows) {
       const force = new Vector3(fx, fy, fz), length = LONGEST_ARROW * half * force.length() / this.data.told.most_n;

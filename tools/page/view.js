@@ -144,7 +144,7 @@ class View {
       const least = kind === "surface" && cell.run.told.open_surface_frames.includes(this.frame) ? "at least " : "";
       const largest = () => figure(largestAt(cell.run, kind, moment, vertices));
       const kept = isPressure ? () => `largest pressure ${largest()} Pa` : () => `deepest ${least}${largest()} mm`;
-      const text = ended || (cell.run.values[kind] ? kept() : isPressure ? "run without --forces" : "depth not stored");
+      const text = ended || (cell.run.values[kind] ? kept() : isPressure ? `no pressure: ${cell.run.told.no_pressure}` : "depth not stored");
       cell.element.querySelector(".cell-depth").textContent = text;
       return `${this.choice.name(cell.run.told.backend)}: ${text}`;
     });

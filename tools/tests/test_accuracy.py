@@ -32,9 +32,10 @@ ONCE = ["iliacus-coupled-null", "iliacus-replay-voxel-cells=16", "iliacus-couple
         "iliacus-replay-sdf-cells=8,precision=float", "iliacus-coupled-sdf-cells=8,precision=float",
         "iliacus-replay-bvh", "iliacus-coupled-bvh"]
 ARMS = [f"iliacus-arms-{name}-r0" for name in ("null", "voxel-cells=16", "sdf-cells=8,precision=float", "bvh")]
-TOO_LONG = ["iliacus-coupled-brute_force-r0", "iliacus-arms-brute_force-r0"]
+FORCES = [name.replace("-arms-", "-forces-") for name in ARMS]
+TOO_LONG = ["iliacus-coupled-brute_force-r0", "iliacus-arms-brute_force-r0", "iliacus-forces-brute_force-r0"]
 RUN_CASES = sorted(["iliacus", *PROBES, "iliacus-replay-brute_force-r0", "iliacus-floor-bvh-r0",
-                    "iliacus-arms_floor-bvh-r0", *ARMS,
+                    "iliacus-arms_floor-bvh-r0", *ARMS, "iliacus-forces_floor-bvh-r0", *FORCES,
                     *[f"{name}-r{r}" for name in ONCE for r in (0, 1)]])
 # A program of its own, since the report can't be left out in another process from here.
 DRIVER = """

@@ -82,7 +82,7 @@ def test_only_the_first_repetition_is_judged_and_keeps_shapes():
     for case in measured():
         words = case.arguments(FOLDERS)
         is_first = case.repetition == 0
-        if case.group.name == "probe" or case.group.name.startswith("arms"):
+        if case.group.name == "probe" or case.group.name.startswith(("arms", "forces")):
             continue
         assert ("--no-referee" in words) != is_first
         assert ("--snapshots" in words) == (is_first and case.mode == "coupled")
@@ -96,9 +96,9 @@ def test_long_cases_are_repeated_less():
 
 
 def test_work_keeps_to_the_promised_minutes():
-    assert seconds([case for case in plan() if "-arms-" not in case.name]) / 2 < 30 * 60
+    assert seconds([case for case in plan() if "-arms-" not in case.name and "-forces-" not in case.name]) / 2 < 30 * 60
     first_look = quick(fake_registry.scene("synthetic/iliacus"))
-    assert seconds([case for case in first_look if "-arms-" not in case.name]) / 2 < 4.5 * 60
+    assert seconds([case for case in first_look if "-arms-" not in case.name and "-forces-" not in case.name]) / 2 < 4.5 * 60
 
 
 def test_what_is_slow_is_run_where_it_is_affordable():

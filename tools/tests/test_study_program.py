@@ -58,7 +58,7 @@ def require_its_page(study: Path) -> None:
     chart = next(part for part in section.parts if part.name == "pareto_replay")
     assert set(chart.rows["backend"]) == set(FEW) and set(section.backends) == set(FEW)
     what = dict(section.what)
-    assert what["Runs"].startswith("13: ") and what["Scenes"] == "synthetic/adductor_brevis" and what["Begun"].startswith("20")
+    assert what["Runs"].startswith("16: ") and what["Scenes"] == "synthetic/adductor_brevis" and what["Begun"].startswith("20")
 
 
 def test_a_small_study_comes_out_complete(tmp_path, monkeypatch, capfd):

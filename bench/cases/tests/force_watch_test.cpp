@@ -86,6 +86,7 @@ TEST(FrameImpulses, AreToldByColliderWithoutARest) {
   std::vector<double> of_collider(contacts.colliders(), 0.0);
   for (int node = 0; node < static_cast<int>(done.masses_kg.size()); ++node) {
     Vec3 sum = Vec3::Zero();
+    if (done.masses_kg[static_cast<std::size_t>(node)] == 0) continue;
     for (std::size_t collider = 0; collider < contacts.colliders(); ++collider) {
       sum += contacts.at(collider, node);
       of_collider[collider] += contacts.at(collider, node).norm();
@@ -124,7 +125,6 @@ TEST(FrameImpulses, BetweenMusclesAreOppositeAndEqual) {
         contacts.at(contacts.of_muscle(bodies[0].has_node(node) ? 1 : 0), node);
   }
   EXPECT_GT(on_ball.norm(), 0);
-  // What attached nodes of the ball would take is missing: their bone bears it.
   EXPECT_LT((on_ball + on_other).norm(), 1e-9 * on_ball.norm());
 }
 
@@ -294,7 +294,7 @@ bone_motion = "interpolated"
 rate_per_s = 100
 [effects.attachment]
 [effects.edge_length]
-compliance_m_per_n = 0.01
+compliance_m_per_n = 0.05
 [effects.volume]
 [[bone]]
 name = "left"
@@ -444,6 +444,67 @@ TEST(Forces, OfABallOfLiquidPressWithThePressureInside) {
   }
 }
 
+/// The lower ball is attached whole: its bone bears the upper one.
+TEST(Forces, OfAMuscleOnAnAttachedOneReachItsBone) {
+  SceneRequest request;
+  request.name = request.file = "stacked.toml";
+  request.text = R"(
+[loop]
+frames = 60
+substeps = 20
+time_step_s = 1e-3
+density_kg_per_m3 = 1060
+[effects.gravity]
+[effects.damping]
+rate_per_s = 50
+[effects.attachment]
+[effects.edge_length]
+compliance_m_per_n = 0.05
+[effects.volume]
+[effects.friction]
+[[bone]]
+name = "plate"
+mesh = "synthetic:plate"
+[[muscle]]
+name = "lower"
+mesh = "synthetic:lower"
+[[muscle]]
+name = "upper"
+mesh = "synthetic:upper"
+[contact]
+muscle_contact = true
+[[attachment]]
+name = "foot"
+bone = "plate"
+muscle = "lower"
+outline_m = [[-0.03, -0.03, 0], [0.03, -0.03, 0], [0.03, 0.03, 0], [-0.03, 0.03, 0]]
+distance_m = 0.05
+)";
+  request.synthetic_mesh = [](const std::string& name) {
+    if (name == "plate") return moved(make_box(Vec3(0.04, 0.04, 0.005), 4), Vec3(0, 0, -0.005));
+    if (name == "lower") return moved(make_box(Vec3(0.02, 0.02, 0.005), 4), Vec3(0, 0, 0.0051));
+    return moved(make_box(Vec3(0.01, 0.01, 0.01), 4), Vec3(0, 0, 0.0202));
+  };
+  const Scene scene = read_scene(request);
+  ASSERT_EQ(scene.bound_nodes().size(), static_cast<std::size_t>(scene.muscles[0].body.last_node));
+  const RunResult run = told(scene);
+  const double upper_n = gravity_m_per_s2 * node_mass_kg(scene, scene.muscles[1]) *
+                         (scene.muscles[1].body.last_node - scene.muscles[1].body.first_node);
+  EXPECT_NEAR(late_mean(run, ForceSource::muscle, "lower", 20, upward), upper_n, 0.01 * upper_n) << "on the upper one";
+  EXPECT_NEAR(late_mean(run, ForceSource::muscle, "upper", 20, upward), -upper_n, 0.01 * upper_n) << "on the lower one";
+  EXPECT_NEAR(late_mean(run, ForceSource::attachment, "foot", 20, upward), upper_n, 0.01 * upper_n);
+}
+
+TEST(Forces, OfAGuardAreOfItsBone) {
+  const RunResult run = told(load_scene({"hard/turned_fast", "", "", {}}));
+  double largest_n = 0;
+  for (const ForceRow& row : run.forces) {
+    EXPECT_NE(row.source, ForceSource::unknown) << "frame " << row.frame;
+    if (row.source == ForceSource::bone) largest_n = std::max(largest_n, row.force_n.norm());
+  }
+  EXPECT_GT(largest_n, 0.1);
+}
+
 TEST(ForceObstacles, NameWhatMakesForcesMeaningless) {
   const Scene paper = load_scene({"synthetic/iliacus", "paper", "", {{"frames", std::int64_t{2}}}});
   const ForceObstacles of_paper = force_obstacles(paper, {ResponseKind::backtrack});
@@ -459,6 +520,10 @@ TEST(ForceObstacles, NameWhatMakesForcesMeaningless) {
   const RunResult result = run_case(run, [](int) {});
   EXPECT_TRUE(result.forces.empty());
   EXPECT_TRUE(result.snapshots.front().contact.pressures_pa.empty());
+  const Scene isometric = load_scene({"hard/isometric", "", "", {}});
+  const ForceObstacles of_stiff = force_obstacles(isometric, {ResponseKind::project});
+  EXPECT_THAT(of_stiff.attachments, testing::HasSubstr("activation is too stiff for its time step"));
+  EXPECT_EQ(of_stiff.contacts, "");
   const Scene standard = load_scene({"synthetic/iliacus", "standard", "", {}});
   EXPECT_EQ(force_obstacles(standard, {ResponseKind::project}).text(), "");
 }

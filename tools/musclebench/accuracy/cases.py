@@ -29,12 +29,15 @@ class StudyCase:
 
     @property
     def mode(self) -> str:
-        """replay, probe, coupled; arms: coupled with fibres; floor, arms_floor: coupled, from a start that is displaced by
-        as much as rounding does."""
+        """replay, probe, coupled; arms: coupled with fibres; forces: coupled with forces; floor, arms_floor, forces_floor:
+        coupled, from a start that is displaced by as much as rounding does."""
         if self.planned_mode or self.run.mode != "coupled":
             return self.planned_mode or self.run.mode
         case = self.run.record["case"]
-        modes = ("arms", "arms_floor") if case.get("fibres") else ("coupled", "floor")
+        modes = ("coupled", "floor")
+        for what, name in (("fibres", "arms"), ("forces", "forces")):
+            if case.get(what):
+                modes = (name, f"{name}_floor")
         return modes[bool((case.get("loop") or {}).get("start_noise_m"))]
 
     @property

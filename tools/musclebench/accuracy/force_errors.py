@@ -9,7 +9,8 @@ RULE = f"{DIFFERENCES} The floor is the same difference for an exact run from a 
 
 def force_errors(told: list[Aggregate], floors: list[Aggregate]) -> dict[tuple, dict]:
     """{(scene, configuration): {torque_percent, contact_percent, pressure_percent, torque_floor_percent,
-    pressure_floor_percent}}; without those whose forces, or the exact run's, are not known."""
+    pressure_floor_percent}}; without those whose forces, or the exact run's, are not known. Telling forces takes time, so that
+    the times of these runs do not count."""
     found = {}
     for one in told:
         if one.is_shown and (errors := _errors(one, exact_aggregate(told, one.scene))):

@@ -68,7 +68,8 @@ def write_report(out_dir: Path) -> AccuracyReport:
     faults = coupled_faults.faults_of(coupled, shapes)
     armed = of_mode(aggregates, "arms")
     armed_floors = of_mode(aggregates, "arms_floor")
-    arms, forces = arm_errors(armed, armed_floors), force_errors(armed, armed_floors)
+    arms = arm_errors(armed, armed_floors)
+    forces = force_errors(of_mode(aggregates, "forces"), of_mode(aggregates, "forces_floor"))
     made = [price_list(replays, builds), arm_price_list(armed, arms, wrong), arm_table(armed, arms), force_table(armed, forces),
             *choices_tables(replays), difficulties_table(replays), outcomes_table(coupled, shapes, floors)]
     sentence = whose({one.configuration.backend: one.configuration.about.implementation for one in aggregates})

@@ -50,7 +50,7 @@ def scene_data(muscle: str, runs: dict[str, Run], shots: dict[str, list[Snapshot
         "bones": [{"name": name, "mesh": _shared(mesh, meshes)} for name, mesh in bones.items()],
         "deepest_mm": _deepest_mm(same), "most_pa": _most_pa(same), "most_n": _most_n(runs, same),
         **_seen(sight or _usual_sight(runs[first], bones, shots[first]), shapes_m),
-        "runs": [_run(backend, runs[backend], kept, order) for backend, kept in same.items()],
+        "runs": [_run(backend, runs[backend], kept, order, _most_pa(same)) for backend, kept in same.items()],
     }
 
 
@@ -73,7 +73,7 @@ def _seen(sight: Sight, shapes_m: np.ndarray) -> dict:
             "cut": {"origin_m": cut_m.tolist(), "normal": sight.cut_normal.tolist()}}
 
 
-def _run(backend: str, run: Run, shots: list[Snapshot], order: np.ndarray) -> dict:
+def _run(backend: str, run: Run, shots: list[Snapshot], order: np.ndarray, most_pa: float) -> dict:
     shapes = packed_shapes(np.stack([shot.mesh.vertices_m for shot in shots]), order)
     return {
         "backend": backend, "name": run.folder.name, "status": run.status,
@@ -81,7 +81,8 @@ def _run(backend: str, run: Run, shots: list[Snapshot], order: np.ndarray) -> di
         "poses": [[[*np.round(rotation.ravel(), 9).tolist(), *np.round(translation_m, 9).tolist()]
                    for rotation, translation_m in shot.poses] for shot in shots],
         "step_m": shapes.step_m, "origin_m": shapes.origin_m, "positions": shapes.text,
-        "depths": {kind: _depths(column, shots, order) for kind, column in (DEPTHS | PRESSURE).items()
+        "no_pressure": (run.record.get("forces") or {}).get("contacts_left_out") or "run without --forces",
+        "depths": {kind: _depths(column, shots, order, most_pa) for kind, column in (DEPTHS | PRESSURE).items()
                    if column in shots[0].mesh.extra and (kind in PRESSURE or run.record["case"].get("judged", True))},
         "arrows": [_arrows(run, shot.frame) for shot in shots],
         "open_surface_frames": [shot.frame for shot in shots if not shot.surface_is_complete],
@@ -110,8 +111,10 @@ def _most_pa(shots: dict[str, list[Snapshot]]) -> float:
     return float(f"{percentile(pressed, [TOP_PRESSURE_PERCENT])[0]:.2g}") if len(pressed) else 0.0
 
 
-def _depths(column: str, shots: list[Snapshot], order: np.ndarray) -> dict:
-    step_m, text = packed_depths(np.stack([shot.mesh.extra[column] for shot in shots]), order)
+def _depths(column: str, shots: list[Snapshot], order: np.ndarray, most_pa: float) -> dict:
+    """Pressures that stand out far are cut off, so that the steps of the others stay fine."""
+    values = np.stack([shot.mesh.extra[column] for shot in shots])
+    step_m, text = packed_depths(np.minimum(values, 10 * most_pa) if column in PRESSURE.values() else values, order)
     return {"step_m": step_m, "text": text}
 
 

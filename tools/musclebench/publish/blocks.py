@@ -11,7 +11,7 @@ from ..effects import effect_tables, guards, returns
 from ..hard import hard_tables
 from ..program.cli import Problem
 from ..results.disturbance import MARK
-from ..tables import arm_prices, choices, difficulties, muscle_tables, outcomes, paper_tables, prices
+from ..tables import arm_prices, choices, difficulties, force_table, muscle_tables, outcomes, paper_tables, prices
 from ..tables.table_formats import Column, as_ratio, markdown_rows, with_unit
 from .measured import Measured
 from .selection import chosen_rows, plain
@@ -27,6 +27,8 @@ ARM_PRICE_KEYS = ("muscle", "target_mm", "configuration", "time_ms", "ratio", "s
                   "length_rms_mm", "arm_floor_mm", "note")
 ARM_ERROR_KEYS = ("muscle", "configuration", "time_ms", "arm_rms_mm", "arm_max_mm", "arm_percent", "length_rms_mm",
                   "arm_floor_mm")
+FORCE_ERROR_KEYS = ("muscle", "configuration", "time_ms", "torque_percent", "torque_floor_percent", "contact_percent", "pressure_percent",
+                    "pressure_floor_percent")
 FACTOR_KEYS = ("muscle", "choice", "time_ms", "factor", "ratio", "missed", "true", "p99_offset_mm")
 DIFFICULTY_KEYS = ("muscle", *difficulties.SHOWN)
 OUTCOME_KEYS = ("muscle", "configuration", "node_depth_mm", "p99_surface_depth_mm", "max_volume_percent",
@@ -129,6 +131,7 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "prices": _from("price_list", prices.COLUMNS, PRICE_KEYS),
     "arm_prices": _from("arm_price_list", arm_prices.COLUMNS, ARM_PRICE_KEYS),
     "arm_errors": _from("arm_errors", arm_prices.ARM_COLUMNS, ARM_ERROR_KEYS),
+    "force_errors": _from("force_errors", force_table.COLUMNS, FORCE_ERROR_KEYS),
     "factors": _from("*_factors", choices.COLUMNS, FACTOR_KEYS),
     "difficulties": _from("contact_difficulties", difficulties.COLUMNS, DIFFICULTY_KEYS),
     "outcomes": _from("coupled_outcomes", outcomes.COLUMNS, OUTCOME_KEYS),

@@ -9,6 +9,6 @@ TABLES = {
     "convergence": ("tables/substeps.csv",),
     "effects": ("tables/effect_costs.csv", "tables/effect_changes.csv", "tables/effect_prices.csv",
                 "tables/returns.csv", "tables/guards.csv"),
-    "accuracy": ("tables/price_list.csv", "tables/arm_price_list.csv", "tables/arm_errors.csv", "tables/*_factors.csv", "tables/coupled_outcomes.csv",
-                 "tables/contact_difficulties.csv", "figures/offset_and_depth.csv", "study.csv"),
+    "accuracy": ("tables/price_list.csv", "tables/arm_price_list.csv", "tables/arm_errors.csv", "tables/force_errors.csv",
+                 "tables/*_factors.csv", "tables/coupled_outcomes.csv", "tables/contact_difficulties.csv", "figures/offset_and_depth.csv", "study.csv"),
 }

@@ -18,11 +18,12 @@ COLUMNS = [
 ]
 
 
-def force_table(told: list[Aggregate], errors: dict) -> Table:
-    """A row a muscle and configuration. `errors` as accuracy.force_errors gives them. Empty where no run told forces."""
+def force_table(timed: list[Aggregate], errors: dict) -> Table:
+    """A row a muscle and configuration. `timed`: coupled runs that told no forces; `errors` as accuracy.force_errors gives them.
+    Empty where no run told forces."""
     rows = [{"muscle": one.muscle, "configuration": one.configuration.name + (MARK if one.is_disturbed else ""),
              "status": one.status, "time_ms": one.collision_ms.value, "detail": one.detail, **errors[(one.scene, one.configuration)]}
-            for one in told if (one.scene, one.configuration) in errors]
+            for one in timed if (one.scene, one.configuration) in errors]
     caption = (
         "Forces against those of the exact run, each configuration moving its own muscle. "
         f"{RULE} Scenes of the program with the preset standard: with the paper's constants forces mean nothing."
