@@ -112,7 +112,8 @@ def test_the_study_of_a_scene_file_leaves_its_rows(knee, tmp_path, monkeypatch, 
     assert accuracy.main(["--musclebench", str(FAKE), "--scene", str(knee), "--repetitions", "1", "--out", str(out)]) == 0
     assert {path.name for path in (out / "raw").iterdir()} == {
         "my_knee-coupled-null-r0", "my_knee-coupled-bvh-r0", "my_knee-replay-bvh-r0", "my_knee-floor-bvh-r0",
-        "my_knee-arms-null-r0", "my_knee-arms-bvh-r0", "my_knee-arms_floor-bvh-r0"}
+        "my_knee-arms-null-r0", "my_knee-arms-bvh-r0", "my_knee-arms_floor-bvh-r0", "my_knee-forces-null-r0",
+        "my_knee-forces-bvh-r0", "my_knee-forces_floor-bvh-r0"}
     sealed = json.loads((out / "raw" / "my_knee-coupled-bvh-r0" / "case.json").read_text())
     assert sealed["scene_sha256"]
 

@@ -70,7 +70,7 @@ def test_a_small_study_comes_out_complete(tmp_path, monkeypatch, capfd):
     assert accuracy.main(arguments) == 0, capfd.readouterr().err
     require_its_page(tmp_path / "out")
     runs = {path.parent.name: json.loads(path.read_text()) for path in (tmp_path / "out" / "raw").glob("*/run.json")}
-    assert {run["status"] for run in runs.values()} <= MEASURED and len(runs) == 13
+    assert {run["status"] for run in runs.values()} <= MEASURED and len(runs) == 16
     assert {run["case"]["mode"] for run in runs.values()} == {"replay", "coupled", "probe"}
     exact, floor = runs["adductor_brevis-coupled-bvh-r0"], runs["adductor_brevis-floor-bvh-r0"]
     assert floor["case"]["loop"]["start_noise_m"] == 1e-12 and exact["case"]["loop"]["start_noise_m"] == 0
