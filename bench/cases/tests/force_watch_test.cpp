@@ -168,18 +168,18 @@ double weight_n(const Scene& scene) {
   return weight;
 }
 
-const auto upward = [](const ForceRow& row) { return row.force_n.z(); };
-const auto normal = [](const ForceRow& row) { return row.normal_n.value(); };
-const auto area = [](const ForceRow& row) { return row.area_m2.value(); };
-const auto friction = [](const ForceRow& row) { return row.friction_n.value(); };
+const auto told_upward = [](const ForceRow& row) { return row.force_n.z(); };
+const auto told_normal = [](const ForceRow& row) { return row.normal_n.value(); };
+const auto told_area = [](const ForceRow& row) { return row.area_m2.value(); };
+const auto told_friction = [](const ForceRow& row) { return row.friction_n.value(); };
 
 TEST(Forces, OfAPlateCarryTheWeightOfWhatLiesOnIt) {
   const Scene scene = load_scene({"hard/loaded_plate", "", "", {}});
   const RunResult run = told(scene);
-  EXPECT_NEAR(late_mean(run, ForceSource::bone, "plate", 20, upward), weight_n(scene), 0.005 * weight_n(scene));
-  EXPECT_NEAR(late_mean(run, ForceSource::bone, "plate", 20, normal), weight_n(scene), 0.005 * weight_n(scene));
+  EXPECT_NEAR(late_mean(run, ForceSource::bone, "plate", 20, told_upward), weight_n(scene), 0.005 * weight_n(scene));
+  EXPECT_NEAR(late_mean(run, ForceSource::bone, "plate", 20, told_normal), weight_n(scene), 0.005 * weight_n(scene));
   // The block is 40 mm wide; its sides do not count.
-  EXPECT_NEAR(late_mean(run, ForceSource::bone, "plate", 20, area), 1.6e-3, 2e-5);
+  EXPECT_NEAR(late_mean(run, ForceSource::bone, "plate", 20, told_area), 1.6e-3, 2e-5);
 }
 
 /// A block of 60 x 20 x 20 mm over two rails 0.4 mm wide, 15 mm to its left and right.
@@ -222,8 +222,8 @@ TEST(Forces, OfTwoRailsCarryAHalfEach) {
   const Scene scene = block_on_rails();
   const RunResult run = told(scene);
   const double half_n = weight_n(scene) / 2;
-  EXPECT_NEAR(late_mean(run, ForceSource::bone, "left", 20, upward), half_n, 0.01 * half_n);
-  EXPECT_NEAR(late_mean(run, ForceSource::bone, "right", 20, upward), half_n, 0.01 * half_n);
+  EXPECT_NEAR(late_mean(run, ForceSource::bone, "left", 20, told_upward), half_n, 0.01 * half_n);
+  EXPECT_NEAR(late_mean(run, ForceSource::bone, "right", 20, told_upward), half_n, 0.01 * half_n);
 }
 
 /// By nodes, faces and edges: the slope falls by 3 in 4.
@@ -237,15 +237,16 @@ TEST(Forces, OfAnInclineAreTheWeightTimesCosineAndSine) {
          {{"frames", std::int64_t{40}}},
          {{"test", "friction", false, {{"coefficient", 1.0}}}, {"test", "damping", false, {{"rate_per_s", 200.0}}}}});
     const RunResult run = told(scene);
-    EXPECT_NEAR(late_mean(run, ForceSource::bone, bone, 20, normal), 0.8 * weight_n(scene), 0.01 * weight_n(scene))
+    EXPECT_NEAR(late_mean(run, ForceSource::bone, bone, 20, told_normal), 0.8 * weight_n(scene), 0.01 * weight_n(scene))
         << name;
-    EXPECT_NEAR(late_mean(run, ForceSource::bone, bone, 20, friction), 0.6 * weight_n(scene), 0.01 * weight_n(scene))
+    EXPECT_NEAR(late_mean(run, ForceSource::bone, bone, 20, told_friction), 0.6 * weight_n(scene),
+                0.01 * weight_n(scene))
         << name;
   }
 }
 
-const auto active = [](const ForceRow& row) { return row.active_n.value(); };
-const auto passive = [](const ForceRow& row) { return row.passive_n.value(); };
+const auto told_active = [](const ForceRow& row) { return row.active_n.value(); };
+const auto told_passive = [](const ForceRow& row) { return row.passive_n.value(); };
 
 /// Fibres pull the apex of a tetrahedron down against the springs of its three edges.
 TEST(Forces, OfAnActivatedMuscleAreThoseOfTheSpringsThatItPulls) {
@@ -274,9 +275,9 @@ TEST(Forces, OfAnActivatedMuscleAreThoseOfTheSpringsThatItPulls) {
     springs_n += force_n * edge.normalized().z();
   }
   EXPECT_GT(springs_n, 0.1);
-  const double tension_n = late_mean(run, ForceSource::attachment, "base", 10, active);
+  const double tension_n = late_mean(run, ForceSource::attachment, "base", 10, told_active);
   EXPECT_NEAR(std::abs(tension_n), springs_n, 0.001 * springs_n);
-  EXPECT_NEAR(late_mean(run, ForceSource::attachment, "base", 10, passive), -tension_n, 0.001 * springs_n);
+  EXPECT_NEAR(late_mean(run, ForceSource::attachment, "base", 10, told_passive), -tension_n, 0.001 * springs_n);
 }
 
 /// A strap of 100 mm from a bone that stands to one that turns about an axis 30 mm below its end.
@@ -490,9 +491,11 @@ distance_m = 0.05
   const RunResult run = told(scene);
   const double upper_n = gravity_m_per_s2 * node_mass_kg(scene, scene.muscles[1]) *
                          (scene.muscles[1].body.last_node - scene.muscles[1].body.first_node);
-  EXPECT_NEAR(late_mean(run, ForceSource::muscle, "lower", 20, upward), upper_n, 0.01 * upper_n) << "on the upper one";
-  EXPECT_NEAR(late_mean(run, ForceSource::muscle, "upper", 20, upward), -upper_n, 0.01 * upper_n) << "on the lower one";
-  EXPECT_NEAR(late_mean(run, ForceSource::attachment, "foot", 20, upward), upper_n, 0.01 * upper_n);
+  EXPECT_NEAR(late_mean(run, ForceSource::muscle, "lower", 20, told_upward), upper_n, 0.01 * upper_n)
+      << "on the upper one";
+  EXPECT_NEAR(late_mean(run, ForceSource::muscle, "upper", 20, told_upward), -upper_n, 0.01 * upper_n)
+      << "on the lower one";
+  EXPECT_NEAR(late_mean(run, ForceSource::attachment, "foot", 20, told_upward), upper_n, 0.01 * upper_n);
 }
 
 TEST(Forces, OfAGuardAreOfItsBone) {

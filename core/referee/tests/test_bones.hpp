@@ -24,10 +24,10 @@ inline TriangleMesh scaled(TriangleMesh mesh, double factor) {
   return mesh;
 }
 
-inline void append(TriangleMesh& mesh, const TriangleMesh& other) {
+inline void append(TriangleMesh& mesh, const TriangleMesh& more) {
   const int first = static_cast<int>(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
-  for (const Triangle& t : other.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());
+  for (const Triangle& t : more.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
 }
 
 inline RigidMotion some_motion() {
