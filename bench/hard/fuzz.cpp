@@ -46,10 +46,11 @@ Vec3 gravity_of(const Scene& scene) {
   return {given.number("x_m_per_s2"), given.number("y_m_per_s2"), given.number("z_m_per_s2")};
 }
 
-/// How far bodies may fly in `time_s` with nothing wrong: g t (t + h) / 2 + 2 v t, what falls from a bone that threw it.
-/// A substep h adds its whole gain of speed at its beginning.
+/// How far bodies may fly in `time_s` with nothing wrong: g t (t + h) / 2 + 2 v t, what falls from a bone that threw
+/// it. A substep h adds its whole gain of speed at its beginning.
 double farthest_flight_m(const Scene& scene, double time_s) {
-  return 0.5 * gravity_of(scene).norm() * time_s * (time_s + scene.loop.time_step_s) + 2 * fastest_bone_m_per_s(scene) * time_s;
+  return 0.5 * gravity_of(scene).norm() * time_s * (time_s + scene.loop.time_step_s) +
+         2 * fastest_bone_m_per_s(scene) * time_s;
 }
 
 /// A body that nothing holds, and that had the time to fly as far or as fast: its end out there is right. A muscle is
