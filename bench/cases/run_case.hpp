@@ -6,7 +6,7 @@
 
 #include "bench/cases/build_backend.hpp"
 #include "bench/cases/fibre_watch.hpp"
-#include "bench/cases/force_watch.hpp"
+#include "bench/cases/forces/force_watch.hpp"
 #include "core/base/machine_state.hpp"
 #include "core/measure/outcome.hpp"
 #include "core/measure/step_record.hpp"

@@ -39,7 +39,7 @@ class ContactImpulses {
                                        std::size_t k) const;
   /// Adds mass times correction of a node that moved out of several bones at once. It is divided into pushes along the
   /// normals of `contacts` (all of the node), which fit it best by least squares, and what is left, which is friction,
-  /// by their pushes.
+  /// by their pushes. Of a node in more than eight bones nothing is added: it is of unknown colliders.
   void add_to_bones(int node, const Vec3& moved_kg_m, std::span<const Contact> contacts);
 
   /// Inverse of the mass of a node, 1/kg.

@@ -3,6 +3,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "core/base/column.hpp"
 #include "core/mesh/triangle_mesh.hpp"

@@ -39,7 +39,7 @@ class FrameImpulses {
   void begin_substep() { m_duration_s += m_time_step_s; }
   void end_frame();
   /// Where an effect adds mass times correction, by row, as in NodeRows.
-  [[nodiscard]] NodeRow* of_effect(std::size_t effect) { return m_of_effects[effect].data(); }
+  [[nodiscard]] NodeRow* rows_of(std::size_t effect) { return m_of_effects[effect].data(); }
   /// Room for velocities before a force, by row.
   [[nodiscard]] std::vector<NodeRow>& velocities_before() { return m_velocities_before; }
 
@@ -48,7 +48,7 @@ class FrameImpulses {
   /// Adds what has moved since `begin_contacts`. Of this, what no row has told is said to be of the
   /// bones that `contacts` (ordered by bone, then node) name.
   void add_contacts(std::span<const Vec3> start, std::span<const Vec3> predicted, std::span<const Contact> contacts);
-  [[nodiscard]] ContactImpulses* rows() { return &m_by_collider; }
+  [[nodiscard]] ContactImpulses* contacts() { return &m_by_collider; }
 
  private:
   ContactImpulses m_by_collider;

@@ -219,7 +219,7 @@ void Simulation::project(const SubstepInput& input, const Team& team) {
     {
       const TeamTimer timer(m_times.effects_ns[i], team);
       if (m_impulses) {
-        if (team.is_first()) m_rows.set_impulses(m_impulses->of_effect(i));
+        if (team.is_first()) m_rows.set_impulses(m_impulses->rows_of(i));
         team.wait();
       }
       m_effects[i]->project(m_rows, input, team);
@@ -253,7 +253,7 @@ void Simulation::record_force(std::size_t effect, double time_step_s, const Team
     const double inverse_mass = m_rows[row].inverse_mass;
     if (inverse_mass == 0) continue;
     const NodeRow change = m_velocities[row] - m_impulses->velocities_before()[row];
-    NodeRow& sum = m_impulses->of_effect(effect)[row];
+    NodeRow& sum = m_impulses->rows_of(effect)[row];
     sum = sum + time_step_s / inverse_mass * change;
   }
 }

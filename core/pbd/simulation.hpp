@@ -196,7 +196,7 @@ class Simulation {
   void run_stages(StageMoment moment, std::span<const Contact> contacts);
   [[nodiscard]] ContactStageInput stage_input(std::span<const Contact> contacts) {
     return {m_positions, m_predicted, m_free_nodes,      m_previous_poses,
-            m_poses,     contacts,    m_depenetration_m, m_impulses ? m_impulses->rows() : nullptr};
+            m_poses,     contacts,    m_depenetration_m, m_impulses ? m_impulses->contacts() : nullptr};
   }
   void collide(bool last_of_frame, CollisionObserver* observer);
   void find_contacts();

@@ -43,14 +43,15 @@ def scene_data(muscle: str, runs: dict[str, Run], shots: dict[str, list[Snapshot
     same = {backend: kept for backend, kept in shots.items() if np.array_equal(kept[0].mesh.triangles, surface.triangles)}
     order = neighbours_order(len(surface.vertices_m), surface.triangles)
     shapes_m = np.concatenate([np.stack([shot.mesh.vertices_m for shot in kept]) for kept in same.values()])
+    most_pa = _most_pa(same)
     return {
         "muscle": muscle, "vertices": len(order), "triangles": len(surface.triangles),
         "corners": packed_triangles(surface.triangles, order), "order": packed_words(np.diff(order, prepend=0), 32),
         "attached": packed_words(surface.extra["attached"][order], 8),
         "bones": [{"name": name, "mesh": _shared(mesh, meshes)} for name, mesh in bones.items()],
-        "deepest_mm": _deepest_mm(same), "most_pa": _most_pa(same), "most_n": _most_n(runs, same),
+        "deepest_mm": _deepest_mm(same), "most_pa": most_pa, "most_n": _most_n(runs, same),
         **_seen(sight or _usual_sight(runs[first], bones, shots[first]), shapes_m),
-        "runs": [_run(backend, runs[backend], kept, order, _most_pa(same)) for backend, kept in same.items()],
+        "runs": [_run(backend, runs[backend], kept, order, most_pa) for backend, kept in same.items()],
     }
 
 

@@ -1,32 +1,22 @@
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "core/contact/response.hpp"
+#include "bench/cases/forces/force_obstacles.hpp"
 #include "core/measure/force_record.hpp"
 #include "core/pbd/simulation.hpp"
 #include "core/scene/scene.hpp"
 
 namespace musclebench {
 
-/// Why forces of a run would mean nothing; empty where they mean something. Each is a sentence that names the cure.
-struct ForceObstacles {
-  std::string contacts;     ///< of the contacts' forces
-  std::string attachments;  ///< of the attachments' forces
-
-  /// Of both, one after the other, without repetition.
-  [[nodiscard]] std::string text() const;
-};
-
-/// The obstacles in a scene, given the kinds of its responses (`Scene::responses`).
-ForceObstacles force_obstacles(const Scene& scene, const std::vector<ResponseKind>& responses);
-
 /// The contact of nodes in one frame.
 struct NodeForces {
   std::vector<Vec3> forces_n;  ///< by node, of all contacts, world frame
-  std::vector<double>
-      pressures_pa;  ///< by node: its pushes along normals over its area, which faces them; 0 for an attached node
+  /// By node: the sum over colliders of its push along normals over the area that faces it.
+  std::vector<double> pressures_pa;
 };
 
 /// Tells the forces of each frame of a coupled run. It looks on and changes no bit of the motion.
@@ -56,8 +46,28 @@ class ForceWatch {
     Vec3 direction;
   };
 
+  /// A force and its moment about the origin of the world.
+  struct Load {
+    Vec3 force_n = Vec3::Zero();
+    Vec3 moment_n_m = Vec3::Zero();
+    double size_n = 0;  ///< sum of the sizes of its parts
+    Vec3 at_sum_n_m = Vec3::Zero();
+
+    void add(const Vec3& at_m, const Vec3& part_n);
+    void add(const Load& other);
+    /// The mean of where its parts act, by their sizes.
+    [[nodiscard]] Vec3 at_m() const { return size_n > 0 ? Vec3(at_sum_n_m / size_n) : Vec3::Zero(); }
+  };
+  /// A row, and what the force that it tells does to the other side.
+  struct Told {
+    ForceRow row;
+    Load on_other;
+  };
+
   void carry(const std::vector<BoundNode>& bound);
-  [[nodiscard]] std::optional<double> torque_n_m(int bone, const Vec3& moment_n_m, const Vec3& force_n) const;
+  [[nodiscard]] Told contact(std::size_t muscle, std::size_t collider, const Simulation& simulation) const;
+  [[nodiscard]] Told attachment(const Carried& carried, const Simulation& simulation) const;
+  [[nodiscard]] std::optional<double> torque_n_m(int bone, const Load& load) const;
   void list_triangles_of_nodes();
   /// A third of the triangles about a node, as seen along its push: those beside a rim do not count.
   [[nodiscard]] double area_facing_m2(int node, const Vec3& push_n, std::span<const Vec3> positions) const;
