@@ -344,6 +344,7 @@ class CaseRunner {
     }
     m_result.notes = outcome_notes(m_result.outcome);
     note_slack_fibres();
+    if (!m_result.force_obstacles.unsettled.empty()) m_result.notes.push_back(m_result.force_obstacles.unsettled);
     std::vector<std::string> reasons = suspicions(m_result.outcome, m_result.rest);
     if (m_scene.attach_at_first_contact && m_result.bound_nodes.empty()) {
       reasons.emplace_back("no node touches a bone at rest, and so none is bound (attachment = \"first_contact\")");

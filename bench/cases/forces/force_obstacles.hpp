@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,9 @@ namespace musclebench {
 struct ForceObstacles {
   std::string contacts;     ///< of the contacts' forces
   std::string attachments;  ///< of the attachments' forces
+  std::string unsettled;    ///< why forces that are told may be wrong; no obstacle
+  /// The longest time step with which one iteration is within 5 % of what many give, s.
+  double settled_step_s = std::numeric_limits<double>::infinity();
 
   /// Of both, one after the other, without repetition.
   [[nodiscard]] std::string text() const;

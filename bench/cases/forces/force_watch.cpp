@@ -192,8 +192,8 @@ std::vector<ForceRow> ForceWatch::frame(int number, const Simulation& simulation
     for (std::size_t collider = 0; collider < contacts.colliders(); ++collider) {
       Told told = contact(muscle, collider, simulation);
       if (collider < bones) of_bones[collider].add(told.on_other);
-      const double size_n = told.row.force_n.norm();
-      (collider == contacts.unknown() ? unknown_n : told_n) += size_n;
+      // By size: what is pushed from two sides at once may add up to nothing.
+      (collider == contacts.unknown() ? unknown_n : told_n) += told.on_other.size_n;
       // Every bone has its row in every frame; what else there may be only where it is.
       if (collider < bones || !told.row.force_n.isZero(0) || *told.row.normal_n > 0)
         rows.push_back(std::move(told.row));

@@ -215,6 +215,31 @@ TEST(Forces, OfAGuardAreOfItsBone) {
   EXPECT_GT(largest_n, 0.1);
 }
 
+/// The pull of the strap with one iteration and with four, with this time step.
+std::pair<double, double> pulls_n(double time_step_s) {
+  std::vector<double> pulls;
+  for (const int iterations : {1, 4}) {
+    Scene scene = force_scenes::taut_strap();
+    scene.fibre_count = 0;
+    scene.loop.substeps = static_cast<int>(std::lround(scene.loop.substeps * scene.loop.time_step_s / time_step_s));
+    scene.loop.time_step_s = time_step_s;
+    scene.loop.iterations = iterations;
+    pulls.push_back(late_mean(told(scene), ForceSource::attachment, "insertion", 3,
+                              [](const ForceRow& row) { return row.force_n.norm(); }));
+  }
+  return {pulls[0], pulls[1]};
+}
+
+TEST(ForceObstacles, TellATimeStepWithWhichOneIterationIsEnough) {
+  const Scene scene = force_scenes::taut_strap();
+  const ForceObstacles obstacles = force_obstacles(scene, {ResponseKind::project});
+  EXPECT_LT(obstacles.settled_step_s, scene.loop.time_step_s);
+  const auto [one, four] = pulls_n(obstacles.settled_step_s);
+  EXPECT_NEAR(one, four, 0.05 * four);
+  const auto [one_as_it_is, four_as_it_is] = pulls_n(scene.loop.time_step_s);
+  EXPECT_GT(std::abs(four_as_it_is - one_as_it_is), 0.1 * four);
+}
+
 TEST(ForceObstacles, NameWhatMakesForcesMeaningless) {
   const Scene paper = load_scene({"synthetic/iliacus", "paper", "", {{"frames", std::int64_t{2}}}});
   const ForceObstacles of_paper = force_obstacles(paper, {ResponseKind::backtrack});
@@ -234,8 +259,14 @@ TEST(ForceObstacles, NameWhatMakesForcesMeaningless) {
   const ForceObstacles of_stiff = force_obstacles(isometric, {ResponseKind::project});
   EXPECT_THAT(of_stiff.attachments, testing::HasSubstr("activation is too stiff for its time step"));
   EXPECT_EQ(of_stiff.contacts, "");
+  const Scene hard =
+      load_scene({"hard/isometric", "", "", {}, {{"test", "activation", false, {{"compliance_m_per_n", 0.0}}}}});
+  EXPECT_THAT(force_obstacles(hard, {ResponseKind::project}).attachments,
+              testing::HasSubstr("activation has no compliance"));
   const Scene standard = load_scene({"synthetic/iliacus", "standard", "", {}});
   EXPECT_EQ(force_obstacles(standard, {ResponseKind::project}).text(), "");
+  EXPECT_THAT(force_obstacles(standard, {ResponseKind::project}).unsettled,
+              testing::HasSubstr("edge_length is softer in this loop than its compliance says"));
 }
 
 }  // namespace
