@@ -1,46 +1,15 @@
-#include <algorithm>
-#include <cmath>
-#include <optional>
-#include <random>
-#include <vector>
-
 #include "backends/sdf/build/field_builder.hpp"
-#include "core/base/percentile.hpp"
 
 namespace musclebench {
 
 FieldError estimate_error(const CubicField& field, const SignedSurface& surface, int samples, std::uint64_t seed) {
-  std::mt19937_64 generator(seed);
-  const auto unit = [&] { return static_cast<double>(generator() >> 11) * 0x1p-53; };
   const GridShape& shape = field.shape();
-  const double reach = 2 * shape.cell_size_m.norm();
-  FieldError result;
-  std::vector<double> errors;
-  // A surface fills enough of its own box for this many tries; the limit only keeps odd shapes from an endless loop.
-  for (long tries = 0; std::ssize(errors) < samples && tries < 1000L * samples; ++tries) {
-    const Vec3 share(unit(), unit(), unit());
-    const Vec3 point = shape.lower_m + share.cwiseProduct(shape.upper_m() - shape.lower_m);
-    const std::optional<double> approximate = field.value(point);
-    const std::optional<double> exact = approximate ? surface.distance(point, reach) : std::nullopt;
-    if (!exact) {
-      continue;
-    }
-    errors.push_back(std::abs(*exact - *approximate));
-    result.mean_m += errors.back();
-    if ((*exact < 0) != (*approximate < 0)) {
-      ++result.wrong_signs;
-      result.deepest_wrong_sign_m = std::max(result.deepest_wrong_sign_m, std::abs(*exact));
-    }
-  }
-  if (errors.empty()) {
-    return result;
-  }
-  std::sort(errors.begin(), errors.end());
-  result.samples = static_cast<int>(errors.size());
-  result.largest_m = errors.back();
-  result.p99_m = errors[percentile_index(errors.size(), 0.99)];
-  result.mean_m /= static_cast<double>(errors.size());
-  return result;
+  return estimate_error(surface,
+                        {.box = {shape.lower_m, shape.upper_m()},
+                         .reach_m = 2 * shape.cell_size_m.norm(),
+                         .count = samples,
+                         .seed = seed},
+                        [&](const Vec3& point) { return field.value(point); });
 }
 
 }  // namespace musclebench

@@ -1,19 +1,10 @@
 #pragma once
 
-#include <cstdint>
 #include <limits>
 
-namespace musclebench {
+#include "core/signed_distance/field_error.hpp"
 
-/// How far a field is from the exact distance, at random points near the surface.
-struct FieldError {
-  std::int32_t samples = 0;
-  std::int32_t wrong_signs = 0;  ///< samples where the field has the wrong sign
-  double largest_m = 0;
-  double p99_m = 0;
-  double mean_m = 0;
-  double deepest_wrong_sign_m = 0;  ///< largest exact distance of those
-};
+namespace musclebench {
 
 /// Bounds and error of a field, computed when it is built and stored with it.
 struct FieldFacts {
