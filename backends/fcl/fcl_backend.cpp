@@ -17,7 +17,7 @@ std::unique_ptr<CollisionBackend> make_fcl_backend(const Parameters& parameters)
 BackendEntry fcl_entry() {
   return {.name = "fcl",
           .help = "FCL library: muscle and bones as BVH models in dynamic AABB trees (the paper's method)",
-          .implementation = fmt::format("FCL {}", FCL_VERSION),
+          .implementation = fmt::format("FCL {}, BSD-3-Clause", FCL_VERSION),
           .default_response = ResponseKind::project,
           .parameters = fcl_parameters(),
           .for_points = {{"query", std::string("node_distance")}},

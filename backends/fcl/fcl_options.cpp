@@ -1,6 +1,7 @@
 #include "backends/fcl/fcl_options.hpp"
 
 #include "core/base/input_error.hpp"
+#include "core/clearance/clearance_cache.hpp"
 
 namespace musclebench {
 
@@ -95,6 +96,7 @@ std::vector<ParameterSpec> fcl_parameters() {
            .choices = {"libccd", "indep"},
            .help = "FCL's narrow phase for convex shapes. Both give the same contacts here, because FCL has special "
                    "formulas for two triangles and for sphere and triangle"}),
+      clearance_cache_parameter(),
   };
 }
 
@@ -107,6 +109,7 @@ FclOptions fcl_options(const Parameters& parameters) {
   options.vertex_update = parameters.word("model") == "update" ? VertexUpdate::update : VertexUpdate::replace;
   options.narrow_phase = parameters.word("solver") == "libccd" ? NarrowPhase::libccd : NarrowPhase::indep;
   options.node_radius_m = parameters.number("node_radius_m");
+  options.uses_clearance_cache = uses_clearance_cache(parameters);
   check_for_meaning(options);
   check_for_support(options);
   return options;

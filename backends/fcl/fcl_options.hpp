@@ -32,7 +32,8 @@ struct FclOptions {
   TreeUpdate tree_update = TreeUpdate::refit;
   VertexUpdate vertex_update = VertexUpdate::replace;
   NarrowPhase narrow_phase = NarrowPhase::libccd;
-  double node_radius_m = 5e-4;  ///< of the spheres of `Query::node_collide`
+  double node_radius_m = 5e-4;       ///< of the spheres of `Query::node_collide`
+  bool uses_clearance_cache = true;  ///< of queries of nodes
 };
 
 /// The names that `FclOptions::bounding_volume` may have.

@@ -5,6 +5,7 @@ import fake_study
 from fake_study import SURFACES
 from musclebench.accuracy import configurations
 from musclebench.accuracy.configurations import Configuration
+from musclebench.program.registry import Backend, Parameter
 
 
 def configuration(backend, parameters, threads=1):
@@ -50,3 +51,18 @@ def test_the_radius_counts_only_where_nodes_are_spheres():
     near = configuration("fcl", {"query": "node_collide", "node_radius_m": 2e-3})
     assert near != configuration("fcl", {"query": "node_collide"}) and "2 mm" in near.name
     assert configuration("fcl", {"node_radius_m": 2e-3}).is_default
+
+
+def test_a_set_of_choices_that_has_a_name_is_called_by_it():
+    driven = {"query": "node_collide", "bounding_volume": "OBB", "node_radius_m": 2e-3}
+    assert configuration("fcl", driven).name == "fcl as advised"
+    assert configuration("fcl", driven | {"clearance_cache": "off"}).name == "fcl as advised, no cache"
+    assert configuration("fcl", driven | {"node_radius_m": 5e-3}).name == "fcl OBB, node radius 5 mm, node spheres"
+
+
+def test_a_flag_is_the_same_asked_as_a_word_and_told_as_a_truth():
+    parameters = (Parameter("cull", "flag", "", True, "", ()),)
+    backend = Backend("library", "library", parameters=parameters, study={"named": [{"text": "plain", "parameters": {"cull": False}}]})
+    for told in ("false", False):
+        assert configurations.configuration(backend, {"cull": told}).name == "library plain"
+    assert configurations.configuration(backend, {"cull": True}).is_default

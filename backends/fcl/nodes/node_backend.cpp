@@ -10,6 +10,7 @@
 #include <fcl/narrowphase/distance.h>
 
 #include "backends/fcl/fcl_model.hpp"
+#include "core/clearance/located_nodes.hpp"
 #include "core/clearance/point_backend.hpp"
 #include "core/mesh/mesh_size.hpp"
 
@@ -40,9 +41,9 @@ fcl::Transform3d at(const Vec3& point) {
 /// One bone's FCL model, asked about points in the bone's rest frame by FCL's calls; from several threads at once. FCL
 /// says which triangles are near; the closest point on them is then computed here, so that it does not depend on what
 /// was asked of FCL to find them. FCL takes a surface for hollow: which side a point is on is SignedSurface's answer.
-class NodeStructure final : public BoneStructure {
+class FclBone {
  public:
-  NodeStructure(const FclOptions& options, const Bone& bone)
+  FclBone(const FclOptions& options, const Bone& bone)
       : m_sides(bone.kept_signed_distance()),
         m_box(bounding_box(bone.surface.mesh.vertices)),
         m_touching_m(touching_distance_m(bone.surface.mesh)),
@@ -50,6 +51,7 @@ class NodeStructure final : public BoneStructure {
         m_solver(to_fcl(options.narrow_phase)),
         m_by_distance(options.query == Query::node_distance),
         m_node_radius_m(options.node_radius_m),
+        m_keeps_clearances(options.uses_clearance_cache && is_closed(bone.surface.mesh)),
         m_clean(bone.surface.clean) {
     with_bounding_volume(options.bounding_volume, [&](auto volume) {
       const TriangleMesh& mesh = bone.surface.mesh;
@@ -61,7 +63,7 @@ class NodeStructure final : public BoneStructure {
 
   /// Exact by distance, on a surface whose pseudo-normals tell the side. A sphere misses what is deeper than it
   /// reaches, at any depth, and reports nothing that it does not reach.
-  [[nodiscard]] AnswerBound answer_bound() const override {
+  [[nodiscard]] AnswerBound answer_bound() const {
     const double infinity = std::numeric_limits<double>::infinity();
     if (!m_by_distance) {
       return {infinity, m_clean ? m_touching_m : m_node_radius_m};
@@ -69,23 +71,28 @@ class NodeStructure final : public BoneStructure {
     return m_clean ? AnswerBound{m_touching_m, m_touching_m} : AnswerBound{infinity, infinity};
   }
 
-  [[nodiscard]] std::size_t bytes() const override { return sizeof(*this) + m_sides->bytes() + m_model_bytes; }
+  [[nodiscard]] std::size_t bytes() const { return sizeof(*this) + m_sides->bytes() + m_model_bytes; }
+  [[nodiscard]] static std::optional<StructureError> error() { return std::nullopt; }
+  [[nodiscard]] const FclBone& session() const { return *this; }
 
-  void detect(const NodeBatch& batch, std::vector<Contact>& contacts) override {
-    for (const int node : batch.nodes) {
-      const Vec3 point = batch.pose.apply_inverse(batch.positions[static_cast<std::size_t>(node)]);
-      const ClosestPoint closest = m_by_distance ? closest_by_distance(point) : closest_by_collision(point);
-      if (closest.triangle >= 0 && contains(point, closest)) {
-        const Vec3 outward = (closest.point - point) / (closest.point - point).norm();
-        contacts.push_back({node, batch.bone, closest.distance_m, batch.pose.apply_to_direction(outward)});
-      }
+  [[nodiscard]] LocatedPoint locate(const Vec3& point, int& /*near*/) const {
+    double clearance_m = 0;
+    const ClosestPoint closest =
+        m_by_distance ? closest_by_distance(point, clearance_m) : closest_by_collision(point, clearance_m);
+    if (closest.triangle >= 0 && contains(point, closest)) {
+      return {.inside = true,
+              .depth_m = closest.distance_m,
+              .outward = (closest.point - point) / (closest.point - point).norm()};
     }
+    return {.clearance_m = m_keeps_clearances ? clearance_m - m_rounding_m : 0};
   }
 
  private:
-  /// Without a triangle for a point that is not inside.
-  [[nodiscard]] ClosestPoint closest_by_distance(const Vec3& point) const {
+  /// Without a triangle for a point that is not inside; `clearance_m` is then the distance to the triangle that FCL
+  /// names, or to the box.
+  [[nodiscard]] ClosestPoint closest_by_distance(const Vec3& point, double& clearance_m) const {
     if (is_outside_box(point, 0)) {
+      clearance_m = m_box.isEmpty() ? 0 : m_box.exteriorDistance(point);
       return {};
     }
     const fcl::Sphered node(0);
@@ -98,15 +105,26 @@ class NodeStructure final : public BoneStructure {
     // Where a point lies in a triangle, FCL 0.7 leaves that triangle's distance unset, and names another one or this
     // one with any distance; and of several triangles at the same distance it names any. Its collision is sound in
     // both cases.
-    return contains(point, closest)
-               ? closest_met(point, (1 + rounding_share) * closest.distance_m + m_rounding_m, {named})
-               : ClosestPoint{};
+    if (contains(point, closest)) {
+      return closest_met(point, (1 + rounding_share) * closest.distance_m + m_rounding_m, {named});
+    }
+    if (m_keeps_clearances) {
+      clearance_m = std::min(result.min_distance, closest.distance_m);
+      const ClosestPoint nearer = closest_met(point, clearance_m, {});
+      if (nearer.triangle >= 0) clearance_m = nearer.distance_m;
+    }
+    return {};
   }
 
-  /// Of an open surface, a point outside its box may count as inside, too.
-  [[nodiscard]] ClosestPoint closest_by_collision(const Vec3& point) const {
-    return is_outside_box(point, m_node_radius_m + m_rounding_m) ? ClosestPoint{}
-                                                                 : closest_met(point, m_node_radius_m, {});
+  /// Of an open surface, a point outside its box may count as inside, too. `clearance_m`: no triangle is nearer.
+  [[nodiscard]] ClosestPoint closest_by_collision(const Vec3& point, double& clearance_m) const {
+    if (is_outside_box(point, m_node_radius_m + m_rounding_m)) {
+      clearance_m = m_box.isEmpty() ? 0 : m_box.exteriorDistance(point);
+      return {};
+    }
+    const ClosestPoint closest = closest_met(point, m_node_radius_m, {});
+    clearance_m = closest.triangle >= 0 ? closest.distance_m : m_node_radius_m;
+    return closest;
   }
 
   /// The closest of `near` and of the triangles that a sphere meets, at equal distances the one with the smallest
@@ -153,18 +171,21 @@ class NodeStructure final : public BoneStructure {
   fcl::GJKSolverType m_solver;
   bool m_by_distance;
   double m_node_radius_m;
+  bool m_keeps_clearances;
   bool m_clean;
 };
 
 }  // namespace
 
 std::unique_ptr<CollisionBackend> make_node_backend(const FclOptions& options) {
-  return make_point_backend(
-      {.capabilities = {},
-       .nodes_a_batch = 16,
-       .contact_reach_m = [options](const Bone& /*bone*/) { return options.node_radius_m; },
-       .build = [options](const Bone& bone, int /*threads*/,
-                          const ShareReport& /*report*/) { return std::make_unique<NodeStructure>(options, bone); }});
+  return make_point_backend({.capabilities = {.has_cache = options.uses_clearance_cache},
+                             .nodes_a_batch = 16,
+                             .contact_reach_m = [options](const Bone& /*bone*/) { return options.node_radius_m; },
+                             .build = [options](const Bone& bone, int /*threads*/,
+                                                const ShareReport& /*report*/) -> std::unique_ptr<BoneStructure> {
+                               return std::make_unique<LocatedNodes<FclBone>>(
+                                   std::make_unique<const FclBone>(options, bone), bone, BoxCulling::none);
+                             }});
 }
 
 }  // namespace musclebench

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from ..program.registry import SIZE_ROLES, Backend, Parameter
+from ..program.registry import SIZE_ROLES, Backend, Parameter, plain_value
 
 MM_OF_UNIT = {"m": 1e3, "mm": 1.0}
 
@@ -94,7 +94,7 @@ class Configuration:
         return f"{self.about.title}, {self.short}" if is_told else self.about.title
 
     def choice(self, key: str) -> str:
-        return dict(self.choices).get(key, _plain(self.about.parameter(key).default))
+        return dict(self.choices).get(key, plain_value(self.about.parameter(key).default))
 
     def _number(self, parameter: Parameter) -> float:
         return float(self.choice(parameter.name) or 0)
@@ -126,13 +126,22 @@ class Configuration:
     def _spoken(self) -> list[tuple[str, str]]:
         cache = self.about.of_role("clearance_cache")
         ordered = sorted(self.choices, key=lambda choice: cache is not None and choice[0] == cache.name)
-        words = [(key, self._word(key, value)) for key, value in ordered]
+        words, told = self._named_together()
+        words += [(key, self._word(key, value)) for key, value in ordered if key not in told]
         return words + ([("threads", f"{self.threads} threads")] if self.threads != 1 else [])
+
+    def _named_together(self) -> tuple[list[tuple[str, str]], set[str]]:
+        """The name that the study gives to a set of choices, and their parameters; for the first set that is there."""
+        for one in self.about.study.get("named", []):
+            wanted = {key: plain_value(value) for key, value in one["parameters"].items()}
+            if wanted.items() <= dict(self.choices).items():
+                return [("", one["text"])], set(wanted)
+        return [], set()
 
     def _word(self, key: str, value: str) -> str:
         """As the study says it; lengths in mm; else the parameter and its value."""
         for told in self.about.study.get("words", []):
-            if told["parameter"] == key and _plain(told.get("value", value)) == value:
+            if told["parameter"] == key and plain_value(told.get("value", value)) == value:
                 return told["text"].replace("{value}", value)
         if self.about.parameter(key).unit == "m":
             return f"{_without_unit(key)} {1e3 * float(value):g} mm"
@@ -141,24 +150,14 @@ class Configuration:
 
 def configuration(backend: Backend, parameters: Mapping, threads: int = 1) -> Configuration:
     """Of resolved parameters or of those that were asked for: the same. Where structures are kept makes no other."""
-    told = {key: _plain(value) for key, value in parameters.items() if backend.parameter(key).role != "storage"}
-    known = {parameter.name: _plain(parameter.default) for parameter in backend.parameters}
+    told = {key: plain_value(value) for key, value in parameters.items() if backend.parameter(key).role != "storage"}
+    known = {parameter.name: plain_value(parameter.default) for parameter in backend.parameters}
     choices = {key: value for key, value in told.items() if value != known.get(key)}
-    for rule in backend.study.get("matters", []):
-        resolved = known | choices
-        if any(resolved.get(key) != _plain(value) for key, value in rule["where"].items()):
-            choices.pop(rule["parameter"], None)
+    choices = {key: value for key, value in choices.items() if backend.matters(key, known | choices)}
     size = Configuration(backend.name, tuple(choices.items()), threads, backend).size
     unused = {one.name for one in backend.parameters if one.role in SIZE_ROLES and one != size}
     chosen = sorted((key, value) for key, value in choices.items() if key not in unused)
     return Configuration(backend.name, tuple(chosen), threads, backend)
-
-
-def _plain(value) -> str:
-    try:
-        return f"{float(value):.12g}"
-    except (TypeError, ValueError):
-        return str(value)
 
 
 def _without_unit(name: str) -> str:

@@ -74,7 +74,7 @@ def _of_series(backend: Backend, series: dict) -> list[Configuration]:
 def _configuration(backend: Backend, series: dict, swept: str, value, index: int) -> Configuration:
     declared = [parameter.name for parameter in backend.parameters]
     fixed = sorted(series.get("fixed", {}).items(), key=lambda item: declared.index(item[0]))
-    parameters = ({swept: value} if swept else {}) | dict(fixed)
+    parameters = ({swept: value} if swept else {}) | {key: _as_option(one) for key, one in fixed}
     quick, storage = series.get("quick", True), backend.of_role("storage")
     return Configuration(
         backend.name, tuple(parameters.items()), series.get("threads", 1), _at(series.get("step_ms", 0.1), index),
@@ -84,6 +84,10 @@ def _configuration(backend: Backend, series: dict, swept: str, value, index: int
         series.get("drives_quick", series.get("drives", True)), series.get("probed", False),
         backend.study.get("probe_band_mm", PROBE_BAND_MM), backend.uses_cache(parameters),
         backend.study.get("longest_stride", LONGEST_STRIDE), backend.is_exact, backend.is_slow)
+
+
+def _as_option(value):
+    return str(value).lower() if isinstance(value, bool) else value
 
 
 def _at(guess, index: int) -> float:

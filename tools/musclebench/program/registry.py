@@ -2,6 +2,7 @@
 
 import json
 import subprocess
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -78,7 +79,28 @@ class Backend:
     def uses_cache(self, parameters: dict) -> bool:
         """Whether the clearance cache is on: nodes that are known to be free are not asked about."""
         cache = self.of_role("clearance_cache")
-        return cache is not None and str(parameters.get(cache.name, cache.default)).lower() not in OFF_WORDS
+        if cache is None or not self.matters(cache.name, parameters):
+            return False
+        return str(parameters.get(cache.name, cache.default)).lower() not in OFF_WORDS
+
+    def matters(self, name: str, parameters: Mapping) -> bool:
+        """Whether a parameter counts beside these; those of the study's `[[matters]]` count only where others have certain values."""
+        def resolved(key: str) -> str:
+            return plain_value(parameters.get(key, self.parameter(key).default))
+
+        return all(resolved(key) in {plain_value(one) for one in (values if isinstance(values, list) else [values])}
+                   for rule in self.study.get("matters", []) if rule["parameter"] == name
+                   for key, values in rule["where"].items())
+
+
+def plain_value(value) -> str:
+    """The same text for what was asked for and what the program resolved it to."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    try:
+        return f"{float(value):.12g}"
+    except (TypeError, ValueError):
+        return str(value)
 
 
 @dataclass(frozen=True)
