@@ -1,0 +1,99 @@
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "backends/embree/embree_scene.hpp"
+#include "backends/embree/muscle_detector.hpp"
+#include "core/clearance/located_nodes.hpp"
+#include "core/clearance/point_backend.hpp"
+#include "core/contact/backend_entry.hpp"
+
+namespace musclebench {
+
+namespace {
+
+class EmbreeBone {
+ public:
+  EmbreeBone(const Bone& bone, const EmbreeSettings& settings, bool starts_warm)
+      : m_scene(bone.surface.mesh, bone.surface.mesh.triangles, settings),
+        m_touching_m(touching_distance_m(bone.surface.mesh)),
+        m_is_closed(is_closed(bone.surface.mesh)),
+        m_starts_warm(starts_warm) {}
+
+  /// Closest points are exact; the side of a point that single precision moves to the other one is not.
+  [[nodiscard]] AnswerBound answer_bound() const {
+    const double side_m = m_touching_m + m_scene.rounding_m();
+    return {side_m, side_m, m_scene.rounding_m()};
+  }
+  [[nodiscard]] std::size_t bytes() const { return m_scene.bytes(); }
+  [[nodiscard]] static std::optional<StructureError> error() { return std::nullopt; }
+  [[nodiscard]] const EmbreeBone& session() const { return *this; }
+
+  [[nodiscard]] LocatedPoint locate(const Vec3& point, int& near) const {
+    constexpr double anywhere_m = std::numeric_limits<float>::max() / 4;
+    const EmbreeClosest closest = m_scene.closest(point, m_starts_warm ? near : -1, anywhere_m);
+    if (closest.triangle < 0) return {};
+    near = closest.triangle;
+    const double distance_m = std::sqrt(closest.on_triangle.squared_distance_m2);
+    if (distance_m > m_touching_m && m_scene.is_inside(point)) {
+      return {.inside = true, .depth_m = distance_m, .outward = (closest.on_triangle.point - point) / distance_m};
+    }
+    // Rays may err on the side of a point this close; one that is farther away is free as far as the surface.
+    return {.clearance_m = m_is_closed ? distance_m - m_scene.rounding_m() : 0};
+  }
+
+ private:
+  EmbreeScene m_scene;
+  double m_touching_m;
+  bool m_is_closed;
+  bool m_starts_warm;
+};
+
+std::unique_ptr<CollisionBackend> make_embree_backend(const Parameters& parameters) {
+  const EmbreeSettings settings{.rays = static_cast<int>(parameters.integer("rays")),
+                                .robust = parameters.flag("robust"),
+                                .high_quality = parameters.word("quality") == "high"};
+  return make_point_backend(
+      {.capabilities = {.has_cache = uses_clearance_cache(parameters), .steady_memory = true},
+       .nodes_a_batch = 64,
+       .contact_reach_m =
+           [](const Bone& bone) { return 1e-5 * bounding_box(bone.surface.mesh.vertices).diagonal().norm(); },
+       .build = [settings, starts_warm = parameters.flag("warm_start"),
+                 culling = parameters.flag("cull") ? BoxCulling::bone_box : BoxCulling::none](
+                    const Bone& bone, int /*threads*/,
+                    const ShareReport& /*report*/) -> std::unique_ptr<BoneStructure> {
+         return std::make_unique<LocatedNodes<EmbreeBone>>(
+             std::make_unique<const EmbreeBone>(bone, settings, starts_warm), bone, culling);
+       }});
+}
+
+}  // namespace
+
+// How it is driven follows Embree's API manual (version 3.13, "rtcPointQuery", "rtcSetSceneFlags",
+// "rtcSetGeometryBuildQuality") and its threads 387, 416 and 423 on missed edges and large coordinates.
+BackendEntry embree_entry() {
+  return {.name = "embree",
+          .help = "closest point by Embree's tree over each bone, side by rays that vote",
+          .implementation = "Embree " RTC_VERSION_STRING ", Apache-2.0",
+          .default_response = ResponseKind::project,
+          .parameters =
+              {parameter::integer({.name = "rays",
+                                   .default_value = 3,
+                                   .minimum = 1,
+                                   .maximum = 9,
+                                   .help = "rays that vote on the side of a node, odd: more are surer"}),
+               parameter::flag({.name = "robust", .default_value = true, .help = "rays do not slip between triangles"}),
+               parameter::choice({.name = "quality",
+                                  .choices = {"high", "medium"},
+                                  .help = "of the tree: high splits triangles and builds longer"}),
+               parameter::flag({.name = "warm_start",
+                                .default_value = true,
+                                .help = "begin with the triangle that was closest to the node last"}),
+               parameter::flag(
+                   {.name = "cull", .default_value = true, .help = "do not ask about nodes outside the bone's box"}),
+               clearance_cache_parameter()},
+          .make = make_embree_backend,
+          .make_muscle_detector = make_embree_muscle_detector};
+}
+
+}  // namespace musclebench
