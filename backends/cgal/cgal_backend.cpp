@@ -1,0 +1,143 @@
+#include <CGAL/AABB_face_graph_triangle_primitive.h>
+#include <CGAL/AABB_traits.h>
+#include <CGAL/AABB_tree.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
+#include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
+#include <CGAL/Side_of_triangle_mesh.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/version.h>
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/clearance/located_nodes.hpp"
+#include "core/clearance/point_backend.hpp"
+#include "core/contact/backend_entry.hpp"
+
+namespace musclebench {
+
+namespace {
+
+using CgalKernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using CgalPoint = CgalKernel::Point_3;
+using CgalMesh = CGAL::Surface_mesh<CgalPoint>;
+using CgalPrimitive = CGAL::AABB_face_graph_triangle_primitive<CgalMesh>;
+using CgalTree = CGAL::AABB_tree<CGAL::AABB_traits<CgalKernel, CgalPrimitive>>;
+
+/// CGAL's meshes are manifold: where a surface is not, its vertices are doubled.
+CgalMesh to_cgal(const TriangleMesh& mesh) {
+  std::vector<CgalPoint> points;
+  for (const Vec3& vertex : mesh.vertices) points.emplace_back(vertex.x(), vertex.y(), vertex.z());
+  std::vector<std::array<std::size_t, 3>> faces;
+  for (const Triangle& triangle : mesh.triangles) {
+    faces.push_back({static_cast<std::size_t>(triangle[0]), static_cast<std::size_t>(triangle[1]),
+                     static_cast<std::size_t>(triangle[2])});
+  }
+  CgalMesh made;
+  CGAL::Polygon_mesh_processing::orient_polygon_soup(points, faces);
+  CGAL::Polygon_mesh_processing::polygon_soup_to_polygon_mesh(points, faces, made);
+  return made;
+}
+
+class CgalBone {
+ public:
+  CgalBone(const Bone& bone, bool starts_warm, bool accelerates)
+      : m_mesh(to_cgal(bone.surface.mesh)),
+        m_tree(faces(m_mesh).first, faces(m_mesh).second, m_mesh),
+        m_touching_m(touching_distance_m(bone.surface.mesh)),
+        m_is_closed(is_closed(bone.surface.mesh)),
+        m_starts_warm(starts_warm),
+        m_accelerates(accelerates) {
+    m_tree.build();
+    if (accelerates) {
+      m_tree.accelerate_distance_queries();
+    } else {
+      m_tree.do_not_accelerate_distance_queries();
+    }
+    m_side = std::make_unique<CGAL::Side_of_triangle_mesh<CgalMesh, CgalKernel>>(m_tree);
+  }
+  CgalBone(const CgalBone&) = delete;
+  CgalBone& operator=(const CgalBone&) = delete;
+
+  /// Sides are exact, closest points are rounded.
+  [[nodiscard]] AnswerBound answer_bound() const { return {m_touching_m, m_touching_m}; }
+  /// By the sizes of what CGAL documents: a mesh with three halfedges a face, a tree with a primitive a face and as
+  /// many nodes with a box, and a search tree of one point a face where distance queries are accelerated.
+  [[nodiscard]] std::size_t bytes() const {
+    const std::size_t mesh = m_mesh.number_of_vertices() * sizeof(CgalPoint) +
+                             m_mesh.number_of_halfedges() * 4 * sizeof(CgalMesh::size_type);
+    const std::size_t node = sizeof(CGAL::Bbox_3) + 2 * sizeof(void*);
+    const std::size_t search = m_accelerates ? sizeof(CgalPoint) + 2 * sizeof(void*) : 0;
+    return sizeof(*this) + mesh + m_mesh.number_of_faces() * (sizeof(CgalPrimitive) + node + search);
+  }
+  [[nodiscard]] static std::optional<StructureError> error() { return std::nullopt; }
+  [[nodiscard]] const CgalBone& session() const { return *this; }
+
+  [[nodiscard]] LocatedPoint locate(const Vec3& point, int& near) const {
+    const CgalPoint query(point.x(), point.y(), point.z());
+    const auto [closest, face] = near >= 0 && m_starts_warm ? m_tree.closest_point_and_primitive(query, hint(near))
+                                                            : m_tree.closest_point_and_primitive(query);
+    near = static_cast<int>(face.idx());
+    const Vec3 on_surface(closest.x(), closest.y(), closest.z());
+    const double distance_m = (on_surface - point).norm();
+    if (distance_m > m_touching_m && (*m_side)(query) == CGAL::ON_BOUNDED_SIDE) {
+      return {.inside = true, .depth_m = distance_m, .outward = (on_surface - point) / distance_m};
+    }
+    return {.clearance_m = m_is_closed ? distance_m : 0};
+  }
+
+ private:
+  [[nodiscard]] CgalTree::Point_and_primitive_id hint(int face) const {
+    const CgalMesh::Face_index index(static_cast<CgalMesh::size_type>(face));
+    return {m_mesh.point(m_mesh.target(m_mesh.halfedge(index))), index};
+  }
+
+  CgalMesh m_mesh;
+  CgalTree m_tree;
+  std::unique_ptr<CGAL::Side_of_triangle_mesh<CgalMesh, CgalKernel>> m_side;
+  double m_touching_m;
+  bool m_is_closed;
+  bool m_starts_warm;
+  bool m_accelerates;
+};
+
+std::unique_ptr<CollisionBackend> make_cgal_backend(const Parameters& parameters) {
+  return make_point_backend(
+      {.capabilities = {.has_cache = uses_clearance_cache(parameters)},
+       .nodes_a_batch = 64,
+       .contact_reach_m = [](const Bone& bone) { return touching_distance_m(bone.surface.mesh); },
+       .build = [starts_warm = parameters.flag("warm_start"), accelerates = parameters.flag("accelerate"),
+                 culling = parameters.flag("cull") ? BoxCulling::bone_box : BoxCulling::none](
+                    const Bone& bone, int /*threads*/,
+                    const ShareReport& /*report*/) -> std::unique_ptr<BoneStructure> {
+         return std::make_unique<LocatedNodes<CgalBone>>(
+             std::make_unique<const CgalBone>(bone, starts_warm, accelerates), bone, culling);
+       }});
+}
+
+}  // namespace
+
+// How it is driven follows CGAL's manual, "3D Fast Intersection and Distance Computation (AABB Tree)", sections on
+// performance and hints, and `Side_of_triangle_mesh` of "Polygon Mesh Processing".
+BackendEntry cgal_entry() {
+  return {.name = "cgal",
+          .help = "closest point by CGAL's AABB tree over each bone, side by exact predicates",
+          .implementation = "CGAL " CGAL_VERSION_STR ", GPL-3.0-or-later (so is a program built with it)",
+          .default_response = ResponseKind::project,
+          .parameters = {parameter::flag({.name = "accelerate",
+                                          .default_value = true,
+                                          .help = "build a search tree of points that gives each query a first guess"}),
+                         parameter::flag({.name = "warm_start",
+                                          .default_value = true,
+                                          .help = "begin with the triangle that was closest to the node last"}),
+                         parameter::flag({.name = "cull",
+                                          .default_value = true,
+                                          .help = "do not ask about nodes outside the bone's box"}),
+                         clearance_cache_parameter()},
+          .make = make_cgal_backend};
+}
+
+}  // namespace musclebench
