@@ -13,6 +13,11 @@ SUFFIXES = {".cpp", ".hpp", ".in", ".txt", ".cmake", ".py", ".sh", ".toml", ".js
 TABLE = Path("backends/CMakeLists.txt")
 # Faults and golden states are made for one backend each; the list of public headers has those of two.
 MADE_FOR_ONE = {Path("tools/mutants.toml"), Path("cmake/public_headers.txt")}
+# Where a library's name means the library, not the backend of that name.
+OF_LIBRARY = {Path("bench/experiments/speed.toml"): "embree", Path("bench/micro/embree_benchmark.cpp"): "embree",
+              Path("cmake/check_includes.py"): "embree", Path("tools/musclebench/options/report.py"): "vtk",
+              Path("tools/musclebench/pictures/in_display.py"): "vtk",
+              Path("tools/musclebench/program/optional_packages.py"): "vtk"}
 
 
 def backend_names() -> list[str]:
@@ -57,9 +62,11 @@ def test_neither_product_code_nor_stand_ins_name_a_backend():
     names = backend_names()
     files = product_files(names)
     assert len(names) > 3 and len(files) > 300 and len(stand_ins()) > 3
-    pattern = naming(names)
-    named = [f"{path.relative_to(ROOT)}:{line}" for path in files + stand_ins()
-             for line in naming_lines(path.read_text(encoding="utf-8", errors="replace"), pattern)]
+    named = []
+    for path in files + stand_ins():
+        inside = path.relative_to(ROOT)
+        pattern = naming([name for name in names if name != OF_LIBRARY.get(inside)])
+        named += [f"{inside}:{line}" for line in naming_lines(path.read_text(encoding="utf-8", errors="replace"), pattern)]
     assert not named, "\n".join(named)
 
 

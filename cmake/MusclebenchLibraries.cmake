@@ -1,0 +1,51 @@
+# Libraries that a backend runs if they are installed: MUSCLEBENCH_HAS_NAME says which are.
+
+# Sets MUSCLEBENCH_HAS_<NAME> where all that follow are found or true.
+function(musclebench_has name)
+  set(has ON)
+  foreach(found IN LISTS ARGN)
+    if(NOT found)
+      set(has OFF)
+    endif()
+  endforeach()
+  set(MUSCLEBENCH_HAS_${name} ${has} PARENT_SCOPE)
+endfunction()
+
+# A macro: what find_package sets is of the caller's scope.
+macro(musclebench_find_libraries)
+  if(MUSCLEBENCH_WITH_LIBRARIES)
+    find_package(embree 3 QUIET)
+    musclebench_has(EMBREE "${embree_FOUND}")
+    # In double precision.
+    find_path(MUSCLEBENCH_BULLET_INCLUDE BulletCollision/CollisionShapes/btMiniSDF.h PATH_SUFFIXES bullet)
+    find_library(MUSCLEBENCH_BULLET_COLLISION BulletCollision-float64)
+    find_library(MUSCLEBENCH_BULLET_MATH LinearMath-float64)
+    musclebench_has(BULLET "${MUSCLEBENCH_BULLET_INCLUDE}" "${MUSCLEBENCH_BULLET_COLLISION}" "${MUSCLEBENCH_BULLET_MATH}")
+    find_package(VTK 9 QUIET COMPONENTS CommonCore CommonDataModel FiltersCore)
+    musclebench_has(VTK "${VTK_FOUND}")
+    find_package(TBB QUIET)
+    find_package(Imath 3 QUIET)  # of half-precision grids
+    find_path(MUSCLEBENCH_OPENVDB_INCLUDE openvdb/openvdb.h)
+    find_library(MUSCLEBENCH_OPENVDB_LIBRARY openvdb)
+    musclebench_has(OPENVDB "${TBB_FOUND}" "${Imath_FOUND}" "${MUSCLEBENCH_OPENVDB_INCLUDE}" "${MUSCLEBENCH_OPENVDB_LIBRARY}")
+    find_package(Simbody 3.7 QUIET)
+    musclebench_has(SIMBODY "${Simbody_FOUND}")
+  endif()
+endmacro()
+
+# Appends the backends on libraries that are there to the list OUT.
+function(musclebench_list_library_backends out)
+  set(names ${${out}})
+  foreach(pair IN ITEMS EMBREE:embree BULLET:discregrid VTK:vtk OPENVDB:openvdb SIMBODY:simbody)
+    string(REPLACE ":" ";" pair "${pair}")
+    list(GET pair 0 library)
+    list(GET pair 1 backend)
+    if(MUSCLEBENCH_HAS_${library})
+      list(APPEND names ${backend})
+    endif()
+  endforeach()
+  if(MUSCLEBENCH_WITH_CGAL)
+    list(APPEND names cgal)
+  endif()
+  set(${out} ${names} PARENT_SCOPE)
+endfunction()
