@@ -4,6 +4,8 @@
 #include <random>
 
 #include "backends/tests/contract.hpp"
+#include "core/base/input_error.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 namespace {
@@ -36,7 +38,7 @@ TriangleMesh overlapping_balls() {
 /// queries some nodes at other positions.
 void expect_that_the_cache_changes_no_bit(const BackendEntry& entry, const std::vector<Bone>& bones, const Vec3& start,
                                           const Vec3& slide, const Vec3& bones_at = Vec3::Zero()) {
-  std::map<std::string, ParameterValue> common;
+  std::map<std::string, ParameterValue> common = entry.for_points;
   if (find_parameter(entry.parameters, "cells") != nullptr) {
     common["cells"] = std::int64_t{24};
   }
@@ -48,7 +50,15 @@ void expect_that_the_cache_changes_no_bit(const BackendEntry& entry, const std::
     backend->build(bones, mesh, threads);
     return backend;
   };
-  const auto plain = build_with("off", 1);
+  // A library may refuse an open bone, or find no inside in it.
+  const bool are_closed = std::ranges::all_of(bones, [](const Bone& bone) { return is_closed(bone.surface.mesh); });
+  std::unique_ptr<CollisionBackend> plain;
+  try {
+    plain = build_with("off", 1);
+  } catch (const InputError&) {
+    ASSERT_FALSE(are_closed);
+    return;
+  }
   std::vector<std::unique_ptr<CollisionBackend>> with;
   with.push_back(build_with("on", 1));
   with.push_back(build_with("on", 3));
@@ -97,7 +107,9 @@ void expect_that_the_cache_changes_no_bit(const BackendEntry& entry, const std::
       expect_same_bits(of_pushed, expected_of_pushed);
     }
   }
-  EXPECT_GT(met, 500U);
+  if (are_closed) {
+    EXPECT_GT(met, 500U);
+  }
 }
 
 TEST_P(Contract, TheClearanceCacheChangesNoBitOfAMotion) {

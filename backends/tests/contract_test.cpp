@@ -249,6 +249,29 @@ TEST_P(Contract, CapabilitiesAreWhatItCanDo) {
   EXPECT_EQ(lacks_for(find_backend(GetParam()).default_response, backend->capabilities()), "");
 }
 
+/// Switches of how a library is driven: they change its time, and no contact.
+TEST_P(Contract, HowItIsDrivenChangesNoBit) {
+  const BackendEntry& entry = find_backend(GetParam());
+  const std::vector<Bone> bones = one_bone(analytic_bones()[2]);
+  const TriangleMesh mesh = muscle();
+  const std::vector<Vec3> positions = moved(mesh.vertices, tilted);
+  bool has_any = false;
+  for (const std::string name : {"cull", "warm_start", "accelerate"}) {
+    if (find_parameter(entry.parameters, name) == nullptr) continue;
+    has_any = true;
+    std::map<bool, std::vector<Contact>> contacts;
+    for (const bool value : {false, true}) {
+      const auto backend = entry.make(Parameters(entry.parameters, {{name, value}}, "test"));
+      backend->build(bones, mesh, 1);
+      detect(*backend, {tilted}, moved(positions, {Mat3::Identity(), Vec3(1e-3, 0, 0)}), all_nodes(mesh));
+      contacts[value] = detect(*backend, {tilted}, positions, all_nodes(mesh));
+      EXPECT_GT(contacts[value].size(), 20U);
+    }
+    expect_same_bits(contacts[true], contacts[false]);
+  }
+  if (!has_any) GTEST_SKIP() << GetParam() << " has no such switch";
+}
+
 /// A row that calls itself exact drives recordings and judges others.
 TEST_P(Contract, AnExactRowErrsByRoundingAndTellsSignedDistances) {
   const BackendEntry& entry = find_backend(GetParam());

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A backend outside the project, from its folder to figures: run by CTest, in the words of the README's recipe."""
+"""A backend outside the project, from its folder to figures: run by CTest, in the words of the README's recipe. Beside it the
+one on CGAL, where that is installed: no other build has it, as CGAL is under the GPL."""
 
 import argparse
 import csv
@@ -10,6 +11,8 @@ import tempfile
 from pathlib import Path
 
 NAME = "capsule"
+CGAL = "cgal"
+CGAL_HEADERS = Path("/usr/include/CGAL")
 # The study of few backends: the newcomer, what prices are told in, and the exact and empty ones to compare with.
 STUDY = """
 import json, subprocess, sys
@@ -36,26 +39,28 @@ def call(*command: str | Path, code: int = 0) -> str:
     return done.stdout + done.stderr
 
 
-def configure(arguments: argparse.Namespace, backend: Path, build: Path, code: int = 0) -> str:
+def configure(arguments: argparse.Namespace, backends: Path | str, build: Path, code: int = 0) -> str:
     """Libraries that the build under test has are linked, not compiled once more."""
     return call(arguments.cmake, "-S", arguments.source, "-B", build, *arguments.settings, "-DMUSCLEBENCH_WITH_MICRO=OFF",
                 "-DMUSCLEBENCH_PCH=OFF", f"-DMUSCLEBENCH_PREBUILT={arguments.build}",
-                f"-DMUSCLEBENCH_EXTRA_BACKENDS={backend}", code=code)
+                f"-DMUSCLEBENCH_EXTRA_BACKENDS={backends}", "-DMUSCLEBENCH_WITH_CGAL=OFF", code=code)
 
 
 def built_with_it(arguments: argparse.Namespace, folder: Path) -> Path:
     """The program; the contract suite has passed."""
     backend, build = folder / NAME, folder / "build"
     shutil.copytree(Path(arguments.source) / "backends/tests" / NAME, backend)
-    configure(arguments, backend, build)
+    others = [Path(arguments.source) / "backends" / CGAL] if CGAL_HEADERS.is_dir() else []
+    configure(arguments, ";".join(map(str, [backend, *others])), build)
     call(arguments.cmake, "--build", build, "-j", "2", "--target", "musclebench", "musclebench_backends_tests")
-    call(Path(arguments.cmake).with_name("ctest"), "--test-dir", build, "-R", NAME, "--no-tests=error")
+    call(Path(arguments.cmake).with_name("ctest"), "--test-dir", build, "-R", "|".join([NAME, *(other.name for other in others)]), "--no-tests=error")
     return build / "bench/musclebench"
 
 
 def is_listed(program: Path) -> None:
     backends = {backend["name"]: backend for backend in json.loads(call(program, "list", "--json"))["backends"]}
     assert NAME in backends and len(backends) > 4, sorted(backends)
+    assert (CGAL in backends) == CGAL_HEADERS.is_dir(), sorted(backends)
     assert backends[NAME]["study"]["series"][0]["sweep"] == {"radius_share": [0.8, 0.9, 1.0]}
     assert backends[NAME]["colour"] == "#56B4E9"
     assert NAME in call(program, "list")
