@@ -93,6 +93,15 @@ def _few(cases: tuple[str, ...], every: list[str]) -> str:
     return f"all but {', '.join(others)}" if others else "all"
 
 
+def not_held(cells: pd.DataFrame, backend: str, reference: str, texts_in: str = "") -> str:
+    """What a backend does not hold of the cases that another one holds."""
+    held = set(cells.loc[(cells["backend"] == reference) & (cells["verdict"] == "holds"), "case"])
+    rows = cells[(cells["backend"] == backend) & cells["case"].isin(held)]
+    if not rows["verdict"].isin(["breaks", "refused"]).any():
+        return f"It holds all cases that `{reference}` holds and that can be asked of it."
+    return beyond(rows, texts_in)
+
+
 def _link(case: str, texts_in: str) -> str:
     return f"[{case}]({texts_in}#{case})"
 

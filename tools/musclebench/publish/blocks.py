@@ -11,7 +11,7 @@ from ..effects import effect_tables, guards, returns
 from ..hard import hard_tables
 from ..program.cli import Problem
 from ..results.disturbance import MARK
-from ..tables import arm_prices, choices, difficulties, force_table, muscle_tables, outcomes, paper_tables, prices
+from ..tables import arm_prices, choices, difficulties, force_table, library_table, muscle_tables, outcomes, paper_tables, prices
 from ..tables.table_formats import Column, as_ratio, markdown_rows, with_unit
 from .measured import Measured
 from .selection import chosen_rows, plain
@@ -103,6 +103,23 @@ def _coupled(measured: Measured, study: str, filters: str) -> str:
     return "\n".join(lines)
 
 
+def _libraries(measured: Measured, study: str, filters: str) -> str:
+    """Beside the study's replay, what the hard cases say."""
+    rows = chosen_rows(measured.table(f"{study}/study"), filters, f"libraries {study} {filters}")
+    columns = with_unit(library_table.COLUMNS, measured.source(study).unit)
+    return markdown_rows(columns, library_table.library_rows(rows, measured.table("hard-synthetic/cells")))
+
+
+def _not_held(measured: Measured, study: str, filters: str) -> str:
+    """`BACKEND REFERENCE`"""
+    backend, _, reference = filters.partition(" ")
+    cells = measured.table(f"{study}/cells")
+    unknown = [name for name in (backend, reference) if name not in set(cells["backend"])]
+    if unknown:
+        raise Problem(f"not_held {study} {filters}: no backend '{unknown[0]}'; there are {', '.join(dict.fromkeys(cells['backend']))}")
+    return hard_tables.not_held(cells, backend, reference, texts_in="../hard_cases/cases.md")
+
+
 def _frame_times(measured: Measured, study: str, filters: str) -> str:
     """The columns are the stages of the loop that the scene has."""
     rows = chosen_rows(measured.table(f"{study}/table_3_frame_times"), filters, f"frame_times {study} {filters}")
@@ -136,6 +153,7 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "difficulties": _from("contact_difficulties", difficulties.COLUMNS, DIFFICULTY_KEYS),
     "outcomes": _from("coupled_outcomes", outcomes.COLUMNS, OUTCOME_KEYS),
     "coupled": _coupled,
+    "libraries": _libraries,
     "speed": _speed,
     "effect_costs": _from("effect_costs", effect_tables.COST_COLUMNS, EFFECT_COST_KEYS),
     "effect_changes": _from("effect_changes", effect_tables.CHANGE_COLUMNS, EFFECT_CHANGE_KEYS),
@@ -146,6 +164,7 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "hard_matrix": _hard("cells", partial(hard_tables.matrix, texts_in="hard_cases/cases.md")),
     "hard_causes": _hard("cells", partial(hard_tables.causes, texts_in="hard_cases/cases.md")),
     "hard_beyond": _hard("cells", partial(hard_tables.beyond, texts_in="cases.md")),
+    "not_held": _not_held,
     "hard_unasked": _hard("cells", hard_tables.unasked),
     "hard_cases": _hard("cases", hard_tables.texts),
     "substeps": _from("substeps", convergence_report.COLUMNS, SUBSTEP_KEYS),
