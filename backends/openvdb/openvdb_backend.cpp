@@ -1,17 +1,17 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <dlfcn.h>
 #include <limits>
 #include <memory>
-#include <openvdb/openvdb.h>
-#include <openvdb/tools/Interpolation.h>
-#include <openvdb/tools/MeshToVolume.h>
+#include <openvdb/version.h>
 #include <optional>
 #include <string>
-#include <tbb/global_control.h>
 
 #include <fmt/format.h>
 
+#include "backends/openvdb/level_set.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/system_memory.hpp"
 #include "core/clearance/located_nodes.hpp"
@@ -30,36 +30,29 @@ struct OpenvdbSettings {
   double depth_m = 0;      ///< inside; 0: all of it
 };
 
-/// A surface as OpenVDB's builder reads it, in units of voxels about a middle.
-class MeshInVoxels {
- public:
-  MeshInVoxels(const TriangleMesh& mesh, const Vec3& middle, double voxel_size_m)
-      : m_mesh(mesh), m_middle(middle), m_per_m(1 / voxel_size_m) {}
-
-  [[nodiscard]] std::size_t polygonCount() const { return m_mesh.triangles.size(); }
-  [[nodiscard]] std::size_t pointCount() const { return m_mesh.vertices.size(); }
-  [[nodiscard]] static std::size_t vertexCount(std::size_t /*triangle*/) { return 3; }
-  void getIndexSpacePoint(std::size_t triangle, std::size_t corner, openvdb::Vec3d& position) const {
-    const int vertex = m_mesh.triangles[triangle][corner];
-    const Vec3 at = m_per_m * (m_mesh.vertices[static_cast<std::size_t>(vertex)] - m_middle);
-    position = {at.x(), at.y(), at.z()};
+/// From where it was built, or from where it is installed beside the program. It stays loaded.
+MakeLevelSet load_module() {
+  for (const char* path : {MUSCLEBENCH_OPENVDB_MODULE, "$ORIGIN/../lib/" MUSCLEBENCH_OPENVDB_MODULE_NAME,
+                           MUSCLEBENCH_OPENVDB_MODULE_NAME}) {
+    void* module = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    if (module == nullptr) continue;
+    if (void* found = dlsym(module, make_level_set_name)) return reinterpret_cast<MakeLevelSet>(found);
   }
+  throw InputError("openvdb", fmt::format("its module can't be loaded: put {} into ../lib beside the program ({})",
+                                          MUSCLEBENCH_OPENVDB_MODULE_NAME, dlerror()));
+}
 
- private:
-  const TriangleMesh& m_mesh;
-  Vec3 m_middle;
-  double m_per_m;
-};
-
-openvdb::FloatGrid::Ptr level_set_of(const TriangleMesh& mesh, const Vec3& middle, const OpenvdbSettings& settings,
-                                     int threads) {
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-  const double depth_voxels = settings.depth_m > 0 ? std::max(settings.depth_m / settings.voxel_size_m, 1.0)
-                                                   : static_cast<double>(std::numeric_limits<float>::max());
-  return openvdb::tools::meshToVolume<openvdb::FloatGrid>(
-      MeshInVoxels(mesh, middle, settings.voxel_size_m),
-      *openvdb::math::Transform::createLinearTransform(settings.voxel_size_m), static_cast<float>(settings.band_voxels),
-      static_cast<float>(depth_voxels));
+std::unique_ptr<LevelSet> level_set_of(const TriangleMesh& mesh, const Vec3& middle, const OpenvdbSettings& settings,
+                                       int threads) {
+  static const MakeLevelSet make_level_set = load_module();
+  const double inside_voxels = settings.depth_m > 0 ? std::max(settings.depth_m / settings.voxel_size_m, 1.0)
+                                                    : static_cast<double>(std::numeric_limits<float>::max());
+  return std::unique_ptr<LevelSet>(make_level_set({.mesh = mesh,
+                                                   .middle = middle,
+                                                   .voxel_size_m = settings.voxel_size_m,
+                                                   .outside_voxels = settings.band_voxels,
+                                                   .inside_voxels = inside_voxels,
+                                                   .threads = threads}));
 }
 
 class OpenvdbBone {
@@ -67,50 +60,48 @@ class OpenvdbBone {
   OpenvdbBone(const Bone& bone, const OpenvdbSettings& settings, int threads)
       : m_middle(bounding_box(bone.surface.mesh.vertices).center()),
         m_voxel_size_m(settings.voxel_size_m),
-        m_grid(level_set_of(bone.surface.mesh, m_middle, settings, threads)) {
+        m_band_m(settings.band_voxels * settings.voxel_size_m),
+        m_level_set(level_set_of(bone.surface.mesh, m_middle, settings, threads)) {
     constexpr int samples = 2000;
+    const Session session(*this);
     const FieldError error = estimate_error(
         bone.signed_distance(),
         {.box = bounding_box(bone.surface.mesh.vertices), .reach_m = 2 * m_voxel_size_m, .count = samples},
-        [&](const Vec3& point) { return Session(*this).value(point); });
+        [&](const Vec3& point) { return session.value_m(point); });
     m_error = {"", bytes(), error.samples, error.largest_m, error.p99_m};
   }
 
-  /// What one thread reads the grid through: an accessor remembers the nodes of the tree that were read last.
   class Session {
    public:
-    explicit Session(const OpenvdbBone& bone) : m_bone(bone), m_accessor(bone.m_grid->getConstUnsafeAccessor()) {}
+    explicit Session(const OpenvdbBone& bone) : m_bone(bone), m_reader(bone.m_level_set->reader()) {}
 
     [[nodiscard]] LocatedPoint locate(const Vec3& point, int& /*near*/) const {
-      const double value_m = value(point);
-      if (value_m >= 0) {
+      const double at_m = value_m(point);
+      if (at_m >= 0) {
         // What interpolates distances linearly along each axis changes by no more than sqrt(3) times the way; half
         // leaves room for what the builder smooths.
-        return {.clearance_m = 0.5 * value_m};
+        return {.clearance_m = 0.5 * at_m};
       }
       // The gradient of a linear interpolation jumps between voxels. Differences over a voxel do not.
       Vec3 slope;
       for (Eigen::Index axis = 0; axis < 3; ++axis) {
         const Vec3 half = 0.5 * m_bone.m_voxel_size_m * Vec3::Unit(axis);
-        slope[axis] = (value(point + half) - value(point - half)) / m_bone.m_voxel_size_m;
+        slope[axis] = (value_m(point + half) - value_m(point - half)) / m_bone.m_voxel_size_m;
       }
       // Deeper than the band all values are the same.
       const Vec3 out = slope.norm() > 1e-9 ? slope.normalized() : (point - m_bone.m_middle).stableNormalized();
-      return {.inside = true, .depth_m = -value_m, .outward = out.isZero() ? Vec3::UnitX() : out};
+      return {.inside = true, .depth_m = -at_m, .outward = out.isZero() ? Vec3::UnitX() : out};
     }
 
-    /// Interpolated linearly along each axis from the eight voxels around.
-    [[nodiscard]] double value(const Vec3& point) const {
+    [[nodiscard]] double value_m(const Vec3& point) const {
       const Vec3 in_voxels = (point - m_bone.m_middle) / m_bone.m_voxel_size_m;
       constexpr double farthest = 1e9;  // of numbers that voxels are counted by
-      if (!((in_voxels.array().abs() < farthest).all())) return m_bone.m_grid->background();
-      return openvdb::tools::BoxSampler::sample(m_accessor,
-                                                openvdb::Vec3R(in_voxels.x(), in_voxels.y(), in_voxels.z()));
+      return (in_voxels.array().abs() < farthest).all() ? m_reader->value_m(in_voxels) : m_bone.m_band_m;
     }
 
    private:
     const OpenvdbBone& m_bone;
-    openvdb::FloatGrid::ConstUnsafeAccessor m_accessor;
+    std::unique_ptr<LevelSetReader> m_reader;
   };
 
   [[nodiscard]] Session session() const { return Session(*this); }
@@ -121,13 +112,14 @@ class OpenvdbBone {
     const double bound_m = 1.5 * m_voxel_size_m;
     return {bound_m, bound_m, m_voxel_size_m};
   }
-  [[nodiscard]] std::size_t bytes() const { return sizeof(*this) + m_grid->memUsage(); }
+  [[nodiscard]] std::size_t bytes() const { return sizeof(*this) + m_level_set->bytes(); }
   [[nodiscard]] std::optional<StructureError> error() const { return m_error; }
 
  private:
   Vec3 m_middle;
   double m_voxel_size_m;
-  openvdb::FloatGrid::Ptr m_grid;
+  double m_band_m;
+  std::unique_ptr<LevelSet> m_level_set;
   StructureError m_error;
 };
 
@@ -165,7 +157,6 @@ void require_fitting_voxels(std::span<const Bone> bones, const OpenvdbSettings& 
 }
 
 std::unique_ptr<CollisionBackend> make_openvdb_backend(const Parameters& parameters) {
-  openvdb::initialize();
   const OpenvdbSettings settings{parameters.number("voxel_size_m"), parameters.number("band_voxels"),
                                  parameters.number("depth_m")};
   return make_point_backend(
