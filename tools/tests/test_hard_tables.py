@@ -94,6 +94,15 @@ def test_what_is_beyond_its_bar_stands_with_it(published):
     assert "Every cell holds." in block(published, "hard_beyond hard-synthetic verdict=holds")
 
 
+def test_what_one_backend_does_not_hold_and_another_one_does(published):
+    lines = block(published, "not_held hard-synthetic sdf voxel").splitlines()
+    assert [line for line in lines if line.startswith("| [")] == [
+        "| [scale](../hard_cases/cases.md#scale) | sdf | **BREAKS** | a change, over the diagonal | 8.76e-09 | 1e-09 | - |"]
+    assert "It holds all cases that `null` holds" in block(published, "not_held hard-synthetic voxel null")
+    with pytest.raises(Problem, match="no backend 'tree'; there are null, voxel, sdf"):
+        block(published, "not_held hard-synthetic sdf tree")
+
+
 def test_verdicts_are_counted_by_backend(published):
     lines = block(published, "hard_counts hard-synthetic").splitlines()
     assert lines[0] == "| backend | holds | breaks | refused | not applicable |" and lines[2] == "| null | 0 | 1 | 0 | 2 |"

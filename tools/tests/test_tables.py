@@ -11,7 +11,7 @@ from musclebench.figures import paper_figures
 from musclebench.paper import published
 from musclebench.results import run_folder
 from musclebench.results.statistics import median_ratio
-from musclebench.tables import muscle_tables, paper_tables, table_formats
+from musclebench.tables import library_table, muscle_tables, paper_tables, table_formats
 
 
 @pytest.fixture
@@ -171,3 +171,15 @@ def test_a_pair_has_its_median_time_without_warm_up_and_its_most_contacts(fake_r
     rows = table.rows
     assert list(rows["muscle"]) == ["a, b", "a, c"] and "a, b" in table_formats.as_text(table)
     assert list(rows["detect_ms"]) == [2.0, 0.5] and list(rows["contacts"]) == [9, 9]
+
+
+def test_a_library_stands_with_its_replay_and_the_hard_cases_of_its_defaults():
+    row = {"mode": "replay", "backend": "tree", "configuration": "tree", "parameters": "{}", "threads": 1, "collision_ms": 0.5,
+           "times_unit": 2.0, "build_s": 0.1, "structure_bytes": 3e6, "missed_contacts": 4, "false_contacts": 0, "p99_offset_m": 2e-4}
+    study = pd.DataFrame([row, row | {"configuration": "tree as first tried", "parameters": '{"cull": "false"}'},
+                          row | {"mode": "coupled"}, row | {"configuration": "tree 8", "collision_ms": float("nan")}])
+    cells = pd.DataFrame({"backend": ["tree", "tree", "tree", "grid"], "verdict": ["holds", "refused", "not applicable", "holds"]})
+    rows = library_table.library_rows(study, cells).set_index("configuration")
+    assert list(rows.index) == ["`tree`", "`tree as first tried`"]
+    assert rows.loc["`tree`", "hard"] == "1 of 2" and rows.loc["`tree as first tried`", "hard"] == ""
+    assert rows.loc["`tree`", "p99_offset_mm"] == 0.2 and rows.loc["`tree`", "structure_mb"] == 3

@@ -104,8 +104,11 @@ def _coupled(measured: Measured, study: str, filters: str) -> str:
 
 
 def _libraries(measured: Measured, study: str, filters: str) -> str:
-    """Beside the study's replay, what the hard cases say."""
+    """Beside the study's replay, what the hard cases say; in the order of the names that a filter has."""
     rows = chosen_rows(measured.table(f"{study}/study"), filters, f"libraries {study} {filters}")
+    names = filters.partition("configuration=")[2].partition(",")[0].split("|")
+    rows = rows.sort_values("configuration", key=lambda column: column.map(lambda name: names.index(name) if name in names else 0),
+                            kind="stable")
     columns = with_unit(library_table.COLUMNS, measured.source(study).unit)
     return markdown_rows(columns, library_table.library_rows(rows, measured.table("hard-synthetic/cells")))
 

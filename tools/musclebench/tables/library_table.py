@@ -7,7 +7,7 @@ from .table_formats import Column
 COLUMNS = [
     Column("configuration", "configuration"), Column("p99_offset_mm", "surface offset, p99 mm", 3),
     Column("missed", "missed contacts", 0), Column("false", "false contacts", 0), Column("collision_ms", "ms a frame", 3),
-    Column("times_unit", "x {unit}", 2, None, True), Column("build_s", "build s", 2), Column("structure_mb", "MB", 1),
+    Column("times_unit", "x {unit}", 2, "", True), Column("build_s", "build s", 2), Column("structure_mb", "MB", 1),
     Column("hard", "hard cases held"),
 ]
 
