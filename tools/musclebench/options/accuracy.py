@@ -3,7 +3,7 @@
 Replay feeds the same recorded positions to all backends. In a coupled run each backend drives the muscle. A second coupled
 run follows fibres, for moment arms. The tables give the price of each error; figures and report.html go to --out, too.
 
-  tools/accuracy --quick                        a first picture in under 5 minutes
+  tools/accuracy --quick                        a first picture in some 6 minutes
   tools/accuracy --muscle iliacus --jobs 1      one muscle, quietest times
 
 You can stop the study and start it again. It skips complete cases. A case runs again if its arguments, the program or the
@@ -25,7 +25,7 @@ def parse_arguments(arguments, file: ExperimentFile):
     parser = study_parser("accuracy", __doc__)
     what = parser.add_argument_group("what is measured")
     what.add_argument("--quick", action="store_true",
-                      help="a first picture in under 5 minutes: fewer settings, frames and repetitions")
+                      help="a first picture in some 6 minutes: fewer settings, frames and repetitions")
     add_scene_options(what, f"{EVERY_SCENE}; with --quick {QUICK_MUSCLE}")
     what.add_argument("--repetitions", type=int, metavar="N",
                       help=f"repetitions of each case, fewer for long cases (default: {file.repetitions}; with --quick 1)")
