@@ -173,13 +173,19 @@ def test_a_pair_has_its_median_time_without_warm_up_and_its_most_contacts(fake_r
     assert list(rows["detect_ms"]) == [2.0, 0.5] and list(rows["contacts"]) == [9, 9]
 
 
-def test_a_library_stands_with_its_replay_and_the_hard_cases_of_its_defaults():
-    row = {"mode": "replay", "backend": "tree", "configuration": "tree", "parameters": "{}", "threads": 1, "collision_ms": 0.5,
-           "times_unit": 2.0, "build_s": 0.1, "structure_bytes": 3e6, "missed_contacts": 4, "false_contacts": 0, "p99_offset_m": 2e-4}
-    study = pd.DataFrame([row, row | {"configuration": "tree as first tried", "parameters": '{"cull": "false"}'},
-                          row | {"mode": "coupled"}, row | {"configuration": "tree 8", "collision_ms": float("nan")}])
-    cells = pd.DataFrame({"backend": ["tree", "tree", "tree", "grid"], "verdict": ["holds", "refused", "not applicable", "holds"]})
-    rows = library_table.library_rows(study, cells).set_index("configuration")
-    assert list(rows.index) == ["`tree`", "`tree as first tried`"]
-    assert rows.loc["`tree`", "hard"] == "1 of 2" and rows.loc["`tree as first tried`", "hard"] == ""
-    assert rows.loc["`tree`", "p99_offset_mm"] == 0.2 and rows.loc["`tree`", "structure_mb"] == 3
+def test_a_library_stands_with_its_replay_and_the_hard_cases_that_all_were_asked():
+    row = {"mode": "replay", "backend": "tree", "configuration": "tree", "parameters": "{}", "threads": 1, "status": "ok",
+           "collision_ms": 0.5, "collision_ms_low": 0.4, "collision_ms_high": 0.6, "is_disturbed": False, "times_unit": 2.0,
+           "frames": 312, "build_s": 0.1, "structure_bytes": 3e6, "missed_contacts": 4, "true_contacts": 20, "false_contacts": 0,
+           "max_missed_depth_m": 1e-4, "p99_offset_m": 2e-4}
+    plain = row | {"configuration": "tree as first tried", "parameters": '{"cull": "false"}', "is_disturbed": True}
+    study = pd.DataFrame([row, plain, row | {"backend": "grid", "configuration": "grid 8"}, row | {"mode": "coupled"},
+                          plain | {"configuration": "tree plain", "collision_ms": float("nan"), "status": "timeout"}])
+    cells = pd.DataFrame([{"case": case, "backend": backend, "verdict": verdict} for case, backend, verdict in (
+        ("a", "tree", "holds"), ("a", "grid", "breaks"), ("b", "tree", "refused"), ("b", "grid", "holds"),
+        ("c", "tree", "not applicable"), ("c", "grid", "holds"))])
+    columns, rows = library_table.library_table(study, cells)
+    rows = rows.set_index("configuration")
+    assert columns[-1].title == "held of 2 hard cases" and list(rows["hard"]) == ["1", "", "1", ""]
+    assert list(rows["ms"]) == ["0.500 (0.400 to 0.600)", "0.500 (0.400 to 0.600) *", "0.500 (0.400 to 0.600)", "not run: too long"]
+    assert rows.loc["`tree`", "missed"] == "4 of 20" and rows.loc["`tree`", "deepest_mm"] == 0.1

@@ -94,11 +94,12 @@ def _few(cases: tuple[str, ...], every: list[str]) -> str:
 
 
 def not_held(cells: pd.DataFrame, backend: str, reference: str, texts_in: str = "") -> str:
-    """What a backend does not hold of the cases that another one holds."""
-    held = set(cells.loc[(cells["backend"] == reference) & (cells["verdict"] == "holds"), "case"])
-    rows = cells[(cells["backend"] == backend) & cells["case"].isin(held)]
+    """What a backend does not hold, but for cases that another one breaks or is refused by the same figure."""
+    theirs = cells[(cells["backend"] == reference) & (cells["verdict"] != "holds")].set_index("case")["figure"]
+    rows = cells[cells["backend"] == backend]
+    rows = rows[[row.case not in theirs or _text(theirs[row.case]) != _text(row.figure) for row in rows.itertuples()]]
     if not rows["verdict"].isin(["breaks", "refused"]).any():
-        return f"It holds all cases that `{reference}` holds and that can be asked of it."
+        return f"It holds all cases that can be asked of it, but for those that `{reference}` does not hold by the same figure."
     return beyond(rows, texts_in)
 
 

@@ -109,8 +109,8 @@ def _libraries(measured: Measured, study: str, filters: str) -> str:
     names = filters.partition("configuration=")[2].partition(",")[0].split("|")
     rows = rows.sort_values("configuration", key=lambda column: column.map(lambda name: names.index(name) if name in names else 0),
                             kind="stable")
-    columns = with_unit(library_table.COLUMNS, measured.source(study).unit)
-    return markdown_rows(columns, library_table.library_rows(rows, measured.table("hard-synthetic/cells")))
+    columns, table = library_table.library_table(rows, measured.table("hard-synthetic/cells"))
+    return markdown_rows(with_unit(columns, measured.source(study).unit), table)
 
 
 def _not_held(measured: Measured, study: str, filters: str) -> str:
