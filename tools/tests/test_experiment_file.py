@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -12,8 +13,10 @@ from fake_sweep import swept
 from musclebench.cases.case import Folders
 from musclebench.experiments.expansion import filtered, in_shard
 from musclebench.experiments.experiment_file import EXPERIMENT_KEYS, FOLDER, GROUP_KEYS, experiment_path, read_experiment
+from musclebench.experiments.selection import backends_of
 from musclebench.experiments.toml_lines import key_lines, line_of
 from musclebench.program.cli import Problem
+from musclebench.program.registry import Backend, Registry
 from musclebench.experiments.record_case import RecordCase
 
 FAKE = Path(__file__).resolve().parent / "fake_musclebench.py"
@@ -143,6 +146,16 @@ def test_backends_are_fast_or_slow(written):
         return {case.configuration.backend for case in swept(written(GOOD.replace(f'["{ROLES.unit}", "{ROLES.exact}"]', word)), ILIACUS)
                 if case.group.name == "small"}
     assert names('"slow"') and names('"slow"').isdisjoint(names('"fast"')) and names('"slow"') | names('"fast"') == names('"all"')
+    assert not names('"external"')  # the stand-in has no library
+
+
+def test_libraries_of_others_are_a_group_of_their_own():
+    plain, library = Backend("plain", "plain"), Backend("library", "library", study={"external": True})
+    registry = Registry((plain, library))
+    group, file = SimpleNamespace(name="g", backends="external"), SimpleNamespace(path="x")
+    assert backends_of(group, file, registry) == [library]
+    group.backends = "fast"
+    assert backends_of(group, file, registry) == [plain]
 
 
 @pytest.mark.parametrize("path", sorted(FOLDER.glob("*.toml")), ids=lambda path: path.stem)

@@ -288,7 +288,7 @@ EXPERIMENT_KEYS: dict[str, tuple[bool, Callable]] = {
 GROUP_KEYS: dict[str, tuple[bool, Callable]] = {
     "name": (True, _text), "mode": (False, _choice(*MODES)), "named": (False, _text),
     "scenes": (False, _words(*SCENE_SETS, ASKED)), "preset": (False, _text), "file_presets": (False, _flag),
-    "backends": (False, _words("all", "exact", "control", "fast", "slow")),
+    "backends": (False, _words("all", "exact", "control", "fast", "slow", "external")),
     "configurations": (False, _choice("default", "study", "study_quick", "race")),
     "only": (False, _list(_choice("replays", "drives", "probed", "one_thread"))),
     "parameters": (False, _table(_values_of_parameter)), "threads": (False, _list(_number(int, 1))),

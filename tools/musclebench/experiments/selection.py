@@ -39,7 +39,10 @@ def backends_of(group: CaseGroup, experiment: ExperimentFile, registry: Registry
     if group.backends == "control":
         return [registry.control or registry.backends[0]]
     if group.backends in ("fast", "slow"):
-        return [backend for backend in registry.backends if backend.is_slow == (group.backends == "slow")]
+        return [backend for backend in registry.backends
+                if backend.is_slow == (group.backends == "slow") and not backend.is_external]
+    if group.backends == "external":
+        return [backend for backend in registry.backends if backend.is_external]
     where = f"{experiment.path}: [[cases]] '{group.name}': backends"
     return [registry.backend(check_backend(name, registry, where)) for name in group.backends]
 

@@ -55,6 +55,11 @@ class Backend:
         return "longest_stride" in self.study
 
     @property
+    def is_external(self) -> bool:
+        """Another project's library, measured beside ours."""
+        return bool(self.study.get("external", False))
+
+    @property
     def has_resolution(self) -> bool:
         """Its answers get better the finer it is; those of the others are right or wrong."""
         return any(parameter.role in SIZE_ROLES for parameter in self.parameters)
