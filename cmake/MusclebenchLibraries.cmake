@@ -13,6 +13,9 @@ endfunction()
 
 # A macro: what find_package sets is of the caller's scope.
 macro(musclebench_find_libraries)
+  foreach(library IN ITEMS EMBREE BULLET VTK OPENVDB SIMBODY)
+    set(MUSCLEBENCH_HAS_${library} OFF)
+  endforeach()
   if(MUSCLEBENCH_WITH_LIBRARIES)
     find_package(embree 3 QUIET)
     musclebench_has(EMBREE "${embree_FOUND}")

@@ -51,7 +51,6 @@ class VtkBone {
         m_is_closed(is_closed(bone.surface.mesh)),
         m_is_clean(bone.surface.clean) {
     for (int thread = 0; thread < threads; ++thread) m_free.push_back(make_distance());
-    m_objects = m_free.size();
   }
 
   /// One that is not in use, until it goes.
@@ -86,15 +85,14 @@ class VtkBone {
     const double side_m = m_is_clean ? m_touching_m : std::numeric_limits<double>::infinity();
     return {side_m, side_m};
   }
-  /// What VTK says of each thread's surface, and its tree: an index a triangle, and as many in the buckets that it
-  /// crosses (two and a half on average). VTK does not tell the size of that.
+  /// With one thread: what VTK says of the surface that objects are made from and of an object's own, and its tree: an
+  /// index a triangle, and as many in the buckets that it crosses (two and a half on average). VTK does not tell the
+  /// size of that. Each further thread takes an object more.
   [[nodiscard]] std::size_t bytes() const {
     constexpr std::size_t kibibyte = 1024;
-    const auto triangles = static_cast<std::size_t>(m_surface->GetNumberOfPolys());
     constexpr double copies = 2.5;
-    const auto indices = static_cast<std::size_t>(copies * static_cast<double>(triangles));
-    return sizeof(*this) + (1 + m_objects) * m_surface->GetActualMemorySize() * kibibyte +
-           m_objects * indices * sizeof(vtkIdType);
+    const auto indices = static_cast<std::size_t>(copies * static_cast<double>(m_surface->GetNumberOfPolys()));
+    return sizeof(*this) + 2 * m_surface->GetActualMemorySize() * kibibyte + indices * sizeof(vtkIdType);
   }
   [[nodiscard]] static std::optional<StructureError> error() { return std::nullopt; }
 
@@ -123,7 +121,6 @@ class VtkBone {
   double m_touching_m;
   bool m_is_closed;
   bool m_is_clean;
-  std::size_t m_objects = 0;
   mutable std::mutex m_mutex;
   mutable std::vector<vtkSmartPointer<vtkImplicitPolyDataDistance>> m_free;
 };
