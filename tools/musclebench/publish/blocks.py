@@ -1,7 +1,9 @@
 """The tables that pages show, made from measured ones. A marker names one and its study: `times paper-lhdl`."""
 
 import math
+import re
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 import pandas as pd
@@ -53,7 +55,9 @@ def block(measured: Measured, specification: str) -> str:
     study, _, filters = rest.partition(" ")
     if name not in BLOCKS:
         raise Problem(f"generated '{specification}': no table '{name}'; there are {', '.join(BLOCKS)}")
-    return f"{BLOCKS[name](measured, study, filters)}\n\n{measured.source(study).words()}"
+    text, source = BLOCKS[name](measured, study, filters), measured.source(study)
+    shown = {backend: whose for backend, whose in source.implementations.items() if re.search(rf"\b{re.escape(backend)}\b", text)}
+    return f"{text}\n\n{replace(source, implementations=shown or source.implementations).words()}"
 
 
 def _from(file_name: str, columns: list[Column], keys: tuple[str, ...]) -> Callable[[Measured, str, str], str]:
