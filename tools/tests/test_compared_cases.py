@@ -53,7 +53,7 @@ def test_the_default_is_the_nightly_experiment(planned):
     assert found.repetitions == nightly.repetitions and len(timed) == nightly.repetitions * (4 + 3)
     told = {(words[1], value(words, "--backend"), value(words, "--frames"), value(words, "--preset"))
             for words in (case.arguments(FOLDERS) for case in timed)}
-    small, small_slow, usual, _, motion = nightly.groups
+    small, small_slow, usual, _, _, motion = nightly.groups
     fast = ("plain", "tree", "grid")  # what has no longest_stride in its study
     assert told == {*((SCENE, name, str(small.frames[0]), "") for name in fast), (SCENE, "slow", str(small_slow.frames[0]), ""),
                     *(("synthetic/iliacus", name, str(usual.frames[0]), "paper") for name in fast)}
