@@ -13,13 +13,14 @@ from musclebench.options.paper import parse_arguments
 from musclebench.options.shared import check_options
 from musclebench.page.of_study import page_of
 from musclebench.paper import published
+from musclebench.paper.paper_backends import name_of, starts_off_by_rounding
 from musclebench.pictures.in_display import draw_in_display
 from musclebench.program.cli import Problem, run_command
 from musclebench.program.optional_packages import left_out_without
 from musclebench.program.registry import read_registry, whose
 from musclebench.results import run_folder
 from musclebench.results.disturbance import note
-from musclebench.tables import muscle_tables, paper_tables, table_formats
+from musclebench.tables import muscle_tables, paper_tables, smoothness_table, table_formats
 from musclebench.results.status import MEASURED
 
 def write_report(out_dir: Path, names: list[str]) -> tuple[list[run_folder.Run], list[paper_tables.Table], list[Path]]:
@@ -29,8 +30,14 @@ def write_report(out_dir: Path, names: list[str]) -> tuple[list[run_folder.Run],
     for folder in ("tables", "figures"):
         (out_dir / folder).mkdir(exist_ok=True)
     runs_file = out_dir / "runs.csv"
-    run_folder.runs_table(runs).to_csv(runs_file, index=False)
+    rows = run_folder.runs_table(runs)
+    told = [f"{name_of(run)}, start off by rounding" if starts_off_by_rounding(run) else name_of(run) for run in runs]
+    rows.insert(rows.columns.get_loc("backend") + 1, "configuration", told)
+    rows.to_csv(runs_file, index=False)
     made = [paper_tables.memory_table(runs, paper), paper_tables.time_table(runs, paper)]
+    smoothness = smoothness_table.smoothness_table(runs)
+    if smoothness is not None:
+        made.append(smoothness)
     several = muscle_tables.of_several_muscles(runs)
     if several:
         made += [muscle_tables.frame_time_table(several), muscle_tables.depth_table(several), muscle_tables.pair_table(several)]
@@ -60,7 +67,7 @@ def run_and_report(options) -> int:
     sweep = sweep_of(of_project("paper"), options, registry, folders)
     sweep.run(sweep.cases, limits_of(options))
     names = [case.name for case in sweep.of("paper")]
-    runs, made, files = write_report(out_dir, names)
+    runs, made, files = write_report(out_dir, [case.name for case in sweep.of("paper", "advised", "exact", "floor")])
     problems = [f"{run.scene} with {run.backend}: {run.status}, {run.record.get('status_detail')}"
                 for run in runs if run.status not in MEASURED]
     is_drawn = True

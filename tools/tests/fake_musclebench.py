@@ -71,12 +71,13 @@ def write_paper_run(options, status: str) -> None:
     fake_runs.write_run(Path(options.out), options.input, options.backend, int(options.frames or 314), status,
                         "frame 3" if status == "diverged" else "", bones, muscle.triangles, shots,
                         {"femur": {"axis": [-1, 0, 0], "centre_m": [0, 0, 0], "angles_rad": [0, 1.57]}})
-    if options.loop:
+    if options.loop or options.param:
         told = Path(options.out) / "run.json"
-        loop = {key: int(value) for key, value in (word.split("=") for word in options.loop)
-                if key in ("substeps", "rest_frames")}
+        loop = {key: float(value) if key == "start_noise_m" else int(value)
+                for key, value in (word.split("=") for word in options.loop) if key in ("substeps", "rest_frames", "start_noise_m")}
+        chosen = {"loop": loop, "parameters": dict(word.split("=", 1) for word in options.param)}
         record = json.loads(told.read_text())
-        told.write_text(json.dumps(record | {"case": record["case"] | {"loop": loop}}))
+        told.write_text(json.dumps(record | {"case": record["case"] | {key: value for key, value in chosen.items() if value}}))
 
 
 def write_effect_run(options, status: str) -> None:

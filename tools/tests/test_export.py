@@ -11,8 +11,8 @@ import fake_page
 import fake_runs
 import report
 from musclebench.export.paraview import export_runs, runs_of
-from musclebench.pictures.surface_pictures import read_snapshots
 from musclebench.results.run_folder import ResultProblem
+from musclebench.results.snapshots import read_snapshots
 from program import call, needs_program
 
 

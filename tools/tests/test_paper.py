@@ -23,11 +23,12 @@ from musclebench.cases.experiment import Experiment
 from musclebench.cases.pool import Limits, run_cases
 from musclebench.page import of_study
 from musclebench.pictures import surface_figures, surface_pictures
-from musclebench.results import run_folder
+from musclebench.results import run_folder, snapshots
 
 PROGRAM = Path(__file__).resolve().parent / "fake_musclebench.py"
 BY_NUMBERS = ["fig_7_collision_time", "fig_8_memory", "depth_by_frame"]
 OF_SURFACES = ["fig_6_iliacus", "muscles_at_full_flexion", "attachments"]
+A_MUSCLE = 7  # cases: the paper's four, FCL as advised, the exact run and its floor
 CAN_DRAW = shutil.which("Xvfb") or os.environ.get("DISPLAY")
 
 
@@ -83,12 +84,13 @@ def test_everything_is_written_named_and_printed(finished):
     out, _, done = finished
     assert done.returncode == 0, done.stderr
     names = [f"figures/{name}{suffix}" for name in BY_NUMBERS + OF_SURFACES for suffix in (".png", ".svg", ".pdf", ".csv")]
+    names += [f"tables/smoothness{suffix}" for suffix in (".csv", ".md", ".tex")]
     names += [f"tables/table_{name}{suffix}" for name in ("1_memory", "2_times") for suffix in (".csv", ".md", ".tex")]
     for name in [*names, "runs.csv"]:
         assert (out / name).stat().st_size > 0, name
         assert str(out / name) in done.stdout
     assert "Table I." in done.stdout and "95 %" in done.stdout
-    assert len(pd.read_csv(out / "runs.csv")) == 16
+    assert len(pd.read_csv(out / "runs.csv")) == 4 * A_MUSCLE
 
 
 @pytest.mark.skipif(not CAN_DRAW, reason="no display and no Xvfb: surface figures can't be drawn")
@@ -109,14 +111,14 @@ def test_surfaces_show_muscle_bone_and_depth(finished):
 
 def test_rows_of_figures_hold_the_frames(finished):
     rows = pd.read_csv(finished[0] / "figures" / "fig_7_collision_time.csv")
-    assert set(rows["backend"]) == {"voxel", "sdf", "fcl"} and set(rows["muscle"]) == {"iliacus"}
-    assert (rows[rows["backend"] == "sdf"]["collision_ns"] == 3_000_000).all() and len(rows) == 36
+    assert set(rows["backend"]) == {"voxel", "sdf", "bvh", "fcl", "fcl as advised"} and set(rows["muscle"]) == {"iliacus"}
+    assert (rows[rows["backend"] == "sdf"]["collision_ns"] == 3_000_000).all() and len(rows) == 60
 
 
 def test_complete_cases_are_skipped_until_something_changes(in_process, tmp_path):
-    assert len(in_process()[3]) == 8
+    assert len(in_process()[3]) == 2 * A_MUSCLE
     assert in_process()[3] == []
-    assert len(in_process("--force")[3]) == 8
+    assert len(in_process("--force")[3]) == 2 * A_MUSCLE
     shutil.rmtree(tmp_path / "out" / "raw" / "iliacus-sdf")
     assert in_process()[3] == ["iliacus-sdf"]
     sealed = tmp_path / "out" / "raw" / "gluteus_medius-fcl" / "case.json"
@@ -131,7 +133,7 @@ def test_a_quick_look_does_not_replace_a_finished_study(in_process, tmp_path):
     assert code == 2 and calls == [] and contents(tmp_path / "out") == kept
     assert re.search(r"paper: \S+out: holds a study of other settings \(frames_limit 12, now 14\).*--out.*--force\n$", errors)
     code, text, errors, calls = in_process("--frames-limit", "14", "--force")
-    assert code == 0 and len(calls) == 8, errors
+    assert code == 0 and len(calls) == 2 * A_MUSCLE, errors
     assert "squeezed into 14 frames" in text and "squeezed into 14 frames" in (tmp_path / "out/tables/table_2_times.md").read_text()
 
 
@@ -145,10 +147,10 @@ def test_another_muscle_adds_to_a_study(tmp_path, in_process):
     (tmp_path / "log").write_text("")
     assert paper.main([*few, "--muscle", "adductor_brevis"]) == 0
     calls = [line.split()[0] for line in (tmp_path / "log").read_text().splitlines()]
-    assert len(calls) == 4 and all(call.startswith("adductor_brevis-") for call in calls)
+    assert len(calls) == A_MUSCLE and all(call.startswith("adductor_brevis-") for call in calls)
     assert set(pd.read_csv(tmp_path / "out/runs.csv")["muscle"]) == {"iliacus", "gluteus_medius", "adductor_brevis"}
     planned = json.loads((tmp_path / "out/experiment.json").read_text())["cases"]
-    assert len(planned) == 12
+    assert len(planned) == 3 * A_MUSCLE
     assert in_process()[3] == []
 
 
@@ -194,8 +196,8 @@ def test_two_commands_in_one_folder_are_told_apart_to_the_end(in_process, tmp_pa
 def test_failures_become_rows_and_the_others_go_on(in_process, tmp_path):
     behaviour = "iliacus-voxel=crash gluteus_medius-sdf=diverge"
     code, text, errors, _ = in_process(behaviour=behaviour)
-    rows = pd.read_csv(tmp_path / "out" / "runs.csv").set_index(["muscle", "backend"])
-    assert code == 1 and len(rows) == 8 and (rows["status"] == "ok").sum() == 6
+    rows = pd.read_csv(tmp_path / "out" / "runs.csv").set_index(["muscle", "configuration"])
+    assert code == 1 and len(rows) == 2 * A_MUSCLE and (rows["status"] == "ok").sum() == 2 * A_MUSCLE - 2
     assert rows.loc[("iliacus", "voxel"), "status"] == "failed"
     assert "key 'x': no such thing" in rows.loc[("iliacus", "voxel"), "status_detail"]
     assert rows.loc[("gluteus_medius", "sdf"), "status"] == "diverged"
@@ -242,7 +244,7 @@ def test_bad_input_is_one_line_and_exit_code_2(arguments, words, capsys):
 
 
 def test_moments_are_the_rest_the_half_and_the_full_angle():
-    shots = [surface_pictures.Snapshot(f, a, None, []) for f, a in ((0, 0.0), (40, 23.0), (79, 45.3), (157, 90.0))]
+    shots = [snapshots.Snapshot(f, a, None, []) for f, a in ((0, 0.0), (40, 23.0), (79, 45.3), (157, 90.0))]
     chosen = surface_figures.choose_moments(shots)
     assert (chosen.rest.frame, chosen.half.frame, chosen.full.frame) == (0, 79, 157)
     assert surface_figures.choose_moments([]) is None
@@ -250,7 +252,7 @@ def test_moments_are_the_rest_the_half_and_the_full_angle():
 
 @pytest.mark.parametrize("angles", [(0.0, -23.0, -45.3, -90.0), (20.0, -3.0, -25.3, -70.0)])
 def test_full_flexion_is_the_largest_turn_whichever_way(angles):
-    shots = [surface_pictures.Snapshot(f, a, None, []) for f, a in zip((0, 40, 79, 157), angles)]
+    shots = [snapshots.Snapshot(f, a, None, []) for f, a in zip((0, 40, 79, 157), angles)]
     chosen = surface_figures.choose_moments(shots)
     assert (chosen.rest.frame, chosen.half.frame, chosen.full.frame) == (0, 79, 157)
 
@@ -269,7 +271,7 @@ def test_depth_colours_begin_where_nodes_are_inside():
 def test_the_depth_scale_leaves_out_the_control_without_collision():
     def moments(depth_mm):
         mesh = type("Mesh", (), {"extra": {"depth_m": np.array([depth_mm / 1e3])}})()
-        return surface_figures.Moments(*[surface_pictures.Snapshot(0, 0.0, mesh, [])] * 3)
+        return surface_figures.Moments(*[snapshots.Snapshot(0, 0.0, mesh, [])] * 3)
 
     assert surface_figures.depth_scale_mm({("iliacus", "null"): moments(30), ("iliacus", "sdf"): moments(2.4)}) == 3
     assert surface_figures.depth_scale_mm({"null": moments(30), "sdf": moments(0.1)}) == 1

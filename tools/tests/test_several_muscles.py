@@ -7,6 +7,7 @@ import pytest
 import fake_runs
 import paper
 from musclebench.pictures import surface_figures, surface_pictures
+from musclebench.results import snapshots
 from musclebench.results.run_folder import read_run
 from musclebench.tables.table_formats import as_text
 from musclebench.figures.collisions import drawn_texts
@@ -40,7 +41,7 @@ class Studio:
     asked = []
 
     def __init__(self, run):
-        self.bones = surface_pictures.read_bones(run)
+        self.bones = snapshots.read_bones(run)
 
     def __getattr__(self, name):
         def picture(*arguments, **named):

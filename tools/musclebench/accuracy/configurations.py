@@ -26,6 +26,12 @@ class Configuration:
         return parameters is not None and self == configuration(self.about, parameters)
 
     @property
+    def named_set(self) -> str:
+        """What the study calls its choices together; empty: nothing."""
+        words, _ = self._named_together()
+        return words[0][1] if words else ""
+
+    @property
     def factors(self) -> int:
         """How many choices differ from the default."""
         return len(self.choices) + (self.threads != 1)

@@ -32,7 +32,8 @@ class CaseGroup:
     together: bool = False  # what a round has of a scene is not shuffled among the rest
     stores: bool = False  # the first case of a scene and configuration builds structures, which the others load
     backends: str | tuple[str, ...] = "all"
-    configurations: str = "default"
+    if_built: bool = False  # backends that the program lacks are left out
+    configurations: str = "default"  # or the name that a study gives to a set of choices
     only: tuple[str, ...] = ()
     parameters: tuple[tuple[str, tuple], ...] = ()
     threads: tuple[int, ...] = (1,)
@@ -289,7 +290,7 @@ GROUP_KEYS: dict[str, tuple[bool, Callable]] = {
     "name": (True, _text), "mode": (False, _choice(*MODES)), "named": (False, _text),
     "scenes": (False, _words(*SCENE_SETS, ASKED)), "preset": (False, _text), "file_presets": (False, _flag),
     "backends": (False, _words("all", "exact", "control", "fast", "slow", "external")),
-    "configurations": (False, _choice("default", "study", "study_quick", "race")),
+    "if_built": (False, _flag), "configurations": (False, _text),
     "only": (False, _list(_choice("replays", "drives", "probed", "one_thread"))),
     "parameters": (False, _table(_values_of_parameter)), "threads": (False, _list(_number(int, 1))),
     "repetitions": (False, _number(int, 1)), "fewer_repetitions": (False, _flag),

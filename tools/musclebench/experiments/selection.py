@@ -8,7 +8,7 @@ from ..cases.case import Folders
 from ..cases.scene import Scene, asked, chosen_names, survey
 from ..hard.cells import cases_of
 from ..program.cli import Problem
-from ..program.registry import Backend, Registry
+from ..program.registry import Backend, Registry, plain_value
 from .sweeps import Configuration, configurations, raced
 from .experiment_file import ASKED, SCENE_SETS, CaseGroup, ExperimentFile
 
@@ -43,8 +43,9 @@ def backends_of(group: CaseGroup, experiment: ExperimentFile, registry: Registry
                 if backend.is_slow == (group.backends == "slow") and not backend.is_external]
     if group.backends == "external":
         return [backend for backend in registry.backends if backend.is_external]
+    wanted = [name for name in group.backends if registry.has(name) or not group.if_built]
     where = f"{experiment.path}: [[cases]] '{group.name}': backends"
-    return [registry.backend(check_backend(name, registry, where)) for name in group.backends]
+    return [registry.backend(check_backend(name, registry, where)) for name in wanted]
 
 
 def configurations_of(group: CaseGroup, experiment: ExperimentFile, registry: Registry) -> list[Configuration]:
@@ -62,9 +63,25 @@ def configurations_of(group: CaseGroup, experiment: ExperimentFile, registry: Re
             own = plain or [replace(own[0], parameters=(), storage="", threads=1, has_cache=backend.uses_cache({}))]
         elif group.configurations == "study_quick":
             own = [one for one in own if one.in_quick]
+        elif group.configurations not in ("study", "race"):
+            own = [_of_set(group, experiment, backend, own)]
         found += [one for one in own if _is_asked(one, group)]
     return [_with(one, chosen, threads) for one in found for chosen in _grid(group, experiment, registry.backend(one.backend))
             for threads in (group.threads if group.threads != (1,) else (one.threads,))]
+
+
+def _of_set(group: CaseGroup, experiment: ExperimentFile, backend: Backend, swept: list[Configuration]) -> Configuration:
+    """The configuration of the choices that the backend's study names so."""
+    known = {one["text"]: one["parameters"] for one in backend.study.get("named", [])}
+    if group.configurations not in known:
+        raise Problem(f"{experiment.path}: [[cases]] '{group.name}': configurations: '{group.configurations}' is no set of choices "
+                      f"of {backend.name}; there are: {', '.join(['default', 'study', 'study_quick', 'race', *known])}")
+    wanted = {key: plain_value(value) for key, value in known[group.configurations].items()}
+    found = [one for one in swept if {key: plain_value(value) for key, value in one.parameters} == wanted and one.threads == 1]
+    if not found:
+        raise Problem(f"{experiment.path}: [[cases]] '{group.name}': configurations: no series of {backend.name}'s study.toml has the "
+                      f"choices of '{group.configurations}'; add one")
+    return found[0]
 
 
 def one_of(scenes: list[Scene], wanted: str | tuple[str, ...]) -> list[Scene]:

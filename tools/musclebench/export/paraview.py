@@ -10,9 +10,9 @@ import vtk
 from vtk.util.numpy_support import numpy_to_vtk
 
 from ..pictures.rendering import poly_data
-from ..pictures.surface_pictures import Snapshot, read_bones, read_snapshots
 from ..program.cli import Problem
 from ..results.run_folder import Run, read_all, read_run
+from ..results.snapshots import Snapshot, read_bones, read_snapshots
 
 MUSCLE = "muscle"
 FORCE = ("force_x_n", "force_y_n", "force_z_n")

@@ -8,8 +8,8 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import to_rgb
 from scipy.spatial import ConvexHull, QhullError
 
-from ..pictures.surface_pictures import Snapshot, read_bones, read_snapshots
 from ..results.run_folder import Run
+from ..results.snapshots import Snapshot, read_bones, read_snapshots
 from . import style
 from .style import plt
 

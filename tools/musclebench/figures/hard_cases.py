@@ -10,8 +10,8 @@ from matplotlib.patches import PathPatch, Rectangle
 from matplotlib.path import Path as Outline
 from matplotlib.patheffects import withStroke
 
-from ..pictures.surface_pictures import read_bones, read_snapshots
 from ..results.run_folder import Run
+from ..results.snapshots import read_bones, read_snapshots
 from . import looks, style
 from .cuts import cut
 from .effect_scenes import BONE_COLOUR, MUSCLE_COLOURS

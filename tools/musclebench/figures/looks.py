@@ -1,5 +1,7 @@
 """How the backends look in figures: colours, dashes and markers, as the program's list of backends tells them."""
 
+from dataclasses import replace
+
 from ..program.registry import Backend, Registry
 
 DASHES = {"solid": "solid", "dashed": "dashed", "dotted": (0, (1, 1.2))}
@@ -22,11 +24,28 @@ def known() -> Registry:
 
 
 def backend(name: str) -> Backend:
-    return _known.backend(name)
+    """One with choices that its study names together looks like itself, in dots."""
+    base, words = _with_choices(name)
+    return replace(base, name=name, dash="dotted", study={**base.study, "title": f"{base.title} {words}"}) if words else base
+
+
+def base_of(name: str) -> str:
+    """The backend that does it."""
+    return _with_choices(name)[0].name
 
 
 def knows(name: str) -> bool:
-    return _known.has(name)
+    return _known.has(base_of(name))
+
+
+def _with_choices(name: str) -> tuple[Backend, str]:
+    """The backend, and what of the name its study says of a set of choices."""
+    if not _known.has(name):
+        for base in _known.backends:
+            for one in base.study.get("named", []):
+                if name == f"{base.label} {one['text']}":
+                    return base, one["text"]
+    return _known.backend(name), ""
 
 
 def title(name: str) -> str:
@@ -36,7 +55,8 @@ def title(name: str) -> str:
 
 def title_and_name(name: str) -> str:
     """For a key, in which a reader finds the name that commands and tables have."""
-    return title(name) if title(name).lower().replace(" ", "_") == name.lower() else f"{title(name)} ({name})"
+    alike = title(name).lower().replace(" ", "_") == name.lower().replace(" ", "_")
+    return title(name) if alike else f"{title(name)} ({name})"
 
 
 def series_title(backend_name: str, series: str) -> str:
@@ -49,7 +69,8 @@ def series_title(backend_name: str, series: str) -> str:
 def backends_in_order(names) -> list[str]:
     """Names without repetition, in the program's order; those that it doesn't know last."""
     names = set(names)
-    return [name for name in _known.names if name in names] + sorted(names - set(_known.names))
+    known = sorted((name for name in names if knows(name)), key=lambda name: (_known.names.index(base_of(name)), name))
+    return known + sorted(names - set(known))
 
 
 def colour(name: str) -> str:

@@ -6,11 +6,6 @@ from ..figures import looks
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 
 
-def looks_of(runs) -> dict[str, dict]:
-    """{backend: {label, colour, dash}} of those that were run, in the registry's order."""
-    return looks_of_names(run.backend for run in runs)
-
-
 def looks_of_names(names) -> dict[str, dict]:
     """{name: {label, colour, dash}}"""
     found = looks.backends_in_order(names)

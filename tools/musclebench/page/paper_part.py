@@ -11,9 +11,10 @@ from ..figures.style import muscle_label
 from ..paper.published import Published, read_published
 from ..results.run_folder import read_runs
 from ..tables import muscle_tables, paper_tables
+from ..tables.smoothness_table import smoothness_table
 from ..tables.table_formats import as_ratio
 from .frame_charts import Cases, depth_chart, memory_chart, time_charts
-from .looks_of import looks_of
+from .looks_of import looks_of_names
 from .parts import Chart, Section, table_part
 from .told_of_runs import problems_of, what_was_run
 from .views import views_of
@@ -34,12 +35,15 @@ def paper_section(folder: Path) -> Section:
              depth_chart(cases),
              table_part(paper_tables.memory_table(runs, paper), "Table I: memory, measured and in the paper"),
              table_part(paper_tables.time_table(runs, paper), "Times and accuracy, measured and in the paper")]
+    smoothness = smoothness_table(runs)
+    if smoothness is not None:
+        parts.append(table_part(smoothness, "Smoothness at the joint, against the exact run"))
     several = muscle_tables.of_several_muscles(runs)
     if several:
         parts += [table_part(muscle_tables.frame_time_table(several), "Time of each stage in a frame"),
                   table_part(muscle_tables.depth_table(several), "Depths of several muscles"),
                   table_part(muscle_tables.pair_table(several), "Pairs of several muscles")]
-    return Section("paper", "The paper's experiment", what_was_run(runs), problems_of(runs), parts, looks_of(runs), folder)
+    return Section("paper", "The paper's experiment", what_was_run(runs), problems_of(runs), parts, looks_of_names(name for _, name in cases), folder)
 
 
 def figure_7(cases: Cases, paper: Published) -> list[Chart]:

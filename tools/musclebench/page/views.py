@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..pictures.surface_pictures import Snapshot, read_snapshots
 from ..results.ply import read_ply
 from ..results.run_folder import Run
+from ..results.snapshots import Snapshot, read_snapshots
 from .scene_data import Sight, scene_data
 
 BUDGET_CHARACTERS = 7_000_000  # of all moments of a folder

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
+OWN_NAMES = {"discregrid": "sdf"}  # the paper's Discregrid stands beside both
 PUBLISHED_DIR = Path(__file__).resolve().parents[3] / "reports" / "published"
 
 
@@ -16,11 +17,11 @@ class Published:
 
     def memory(self, muscle: str, backend: str, column: str) -> float:
         """NaN where the paper has no such cell."""
-        key = (muscle, backend)
+        key = (muscle, OWN_NAMES.get(backend, backend))
         return float(self.memory_mb.loc[key, column]) if key in self.memory_mb.index else float("nan")
 
     def time_ratio(self, backend: str) -> str:
-        return self.headline["collision_time_ratio_to_voxel"].get(backend, "")
+        return self.headline["collision_time_ratio_to_voxel"].get(OWN_NAMES.get(backend, backend), "")
 
 
 def read_published(folder: Path = PUBLISHED_DIR) -> Published:

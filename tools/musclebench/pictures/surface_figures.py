@@ -14,10 +14,10 @@ from ..figures import looks, style
 from ..figures.paper_figures import caption, muscle_of_figures
 from ..figures.style import plt
 from ..results.run_folder import Run
+from ..results.snapshots import Snapshot, read_snapshots
 from ..tables.paper_tables import by_case
 from .surface_pictures import (
-    ATTACHMENT_COLOURS, DEPTH_COLOURS, INSIDE_FROM_MM, MUSCLE_COLOURS, Snapshot, Studio, bound_nodes_by_bone, facing_inside,
-    read_snapshots,
+    ATTACHMENT_COLOURS, DEPTH_COLOURS, INSIDE_FROM_MM, MUSCLE_COLOURS, Studio, bound_nodes_by_bone, facing_inside,
 )
 
 

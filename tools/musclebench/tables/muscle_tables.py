@@ -2,6 +2,7 @@
 
 import pandas as pd
 
+from ..paper.paper_backends import name_of, starts_off_by_rounding
 from ..results.run_folder import NOT_OF_THE_LOOP, Run
 from .table_formats import Column, Table
 
@@ -22,7 +23,7 @@ PAIR_COLUMNS = [
 
 
 def of_several_muscles(runs: list[Run]) -> list[Run]:
-    return [run for run in runs if not run.muscles.empty]
+    return [run for run in runs if not run.muscles.empty and not starts_off_by_rounding(run)]
 
 
 def frame_time_table(runs: list[Run]) -> Table:
@@ -32,7 +33,7 @@ def frame_time_table(runs: list[Run]) -> Table:
     columns = [Column("muscle", "scene"), Column("backend", "backend")]
     timed = {name: name.removesuffix("_ns") for name in [*stages, *TOTALS]}
     columns += stage_columns(list(timed.values()))
-    rows = pd.DataFrame([{"muscle": run.muscle, "backend": run.backend,
+    rows = pd.DataFrame([{"muscle": run.muscle, "backend": name_of(run),
                           **{f"{stage}_ms": run.timed_frames[name].median() / 1e6 if name in run.frames else float("nan")
                              for name, stage in timed.items()}} for run in runs],
                         columns=[column.key for column in columns])
@@ -67,14 +68,14 @@ def pair_table(runs: list[Run]) -> Table:
 
 def _pair_row(run: Run, pair: str, rows: pd.DataFrame) -> dict:
     timed = rows[rows["frame"].isin(run.timed_frames["frame"])]
-    return {"muscle": pair, "scene": run.muscle, "backend": run.backend, "detect_ms": timed["detect_ns"].median() / 1e6,
+    return {"muscle": pair, "scene": run.muscle, "backend": name_of(run), "detect_ms": timed["detect_ns"].median() / 1e6,
             "contacts": rows["contacts"].max()}
 
 
 def _depth_row(run: Run, muscle: str, rows: pd.DataFrame) -> dict:
     volumes = rows["volume_m3"]
     return {
-        "muscle": muscle, "scene": run.muscle, "backend": run.backend, "bone_depth_mm": 1e3 * rows["max_depth_m"].max(),
+        "muscle": muscle, "scene": run.muscle, "backend": name_of(run), "bone_depth_mm": 1e3 * rows["max_depth_m"].max(),
         "bone_nodes": rows["nodes_inside"].max(), "muscle_depth_mm": 1e3 * rows["max_muscle_depth_m"].max(),
         "muscle_nodes": rows["nodes_inside_muscles"].max(),
         "volume_change_percent": 100 * (volumes / volumes.iloc[0] - 1).abs().max(),

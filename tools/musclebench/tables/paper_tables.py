@@ -2,8 +2,7 @@
 
 import pandas as pd
 
-from ..figures.style import in_order
-from ..paper.paper_backends import paper_backends
+from ..paper.paper_backends import in_paper_order, name_of, starts_off_by_rounding
 from ..paper.published import Published
 from ..results.disturbance import MARK, disturbed
 from ..results.run_folder import Run
@@ -41,10 +40,10 @@ TIME_COLUMNS_SHOWN = [
 
 
 def by_case(runs: list[Run]) -> dict[tuple[str, str], Run]:
-    """{(muscle, backend): run}, in the order in which figures and tables list them."""
-    cases = {(run.muscle, run.backend): run for run in runs}
+    """{(muscle, backend, or backend and its choices): run}, in the order in which figures and tables list them."""
+    cases = {(run.muscle, name_of(run)): run for run in runs if not starts_off_by_rounding(run)}
     muscles = sorted({muscle for muscle, _ in cases})
-    backends = in_order((backend for _, backend in cases), paper_backends())
+    backends = in_paper_order(backend for _, backend in cases)
     return {(m, b): cases[m, b] for m in muscles for b in backends if (m, b) in cases}
 
 
