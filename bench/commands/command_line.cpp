@@ -35,6 +35,7 @@ int run_command_line(int argc, const char* const* argv) {
   add_run_command(app, exit_code);
   add_record_command(app, exit_code);
   add_replay_command(app, exit_code);
+  add_queries_command(app, exit_code);
   add_list_command(app, exit_code);
   add_check_command(app, exit_code);
   add_verify_command(app, exit_code);

@@ -5,9 +5,9 @@
 
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
+#include "bench/commands/recorded_scene.hpp"
 #include "bench/process/progress.hpp"
 #include "bench/process/signals.hpp"
-#include "bench/results/manifest.hpp"
 #include "bench/results/other_case.hpp"
 #include "bench/results/replay_output.hpp"
 #include "bench/results/result_folder.hpp"
@@ -33,34 +33,6 @@ struct ReplayOptions {
   bool unjudged = false;
   bool force = false;
 };
-
-Scene scene_of(const RecordingHeader& header, const ReplayOptions& options) {
-  SceneChoice choice;
-  choice.scene = options.scene.empty() ? header.scene_source : options.scene;
-  choice.preset = header.preset;
-  choice.data = options.data;
-  choice.loop_overrides = header.loop_overrides;
-  return load_scene(choice);
-}
-
-void require_same_scene(const Scene& scene, const RecordingHeader& header, const std::string& recording) {
-  const auto nodes = static_cast<int>(scene.muscle_mesh.vertices.size());
-  const auto muscles = static_cast<int>(scene.muscles.size());
-  const auto bones = static_cast<int>(scene.bones.size());
-  if (nodes != header.nodes || muscles != header.muscles || bones != header.bones) {
-    throw InputError(
-        recording,
-        fmt::format("is of '{}' (muscles {}, nodes {}, bones {}), and '{}' has {}, {} and {}; name the right one with "
-                    "--scene, or record it again",
-                    header.scene, header.muscles, header.nodes, header.bones, scene.name, muscles, nodes, bones));
-  }
-  const std::string hash = scene_hash(scene);
-  if (hash != header.scene_sha256) {
-    throw InputError(recording, fmt::format("is of another scene: '{}' with hash {}, and '{}' as it is now has {}; "
-                                            "name the right one with --scene, or record it again",
-                                            header.scene, header.scene_sha256, scene.name, hash));
-  }
-}
 
 void print_accuracy(const Accuracy& accuracy, double band_m) {
   fmt::print("  missed / false contacts       {:>6} / {} (of {} true, {} answered)\n", accuracy.missed_contacts,
@@ -161,8 +133,7 @@ int replay(const ReplayOptions& options) {
   const BackendEntry& backend = find_backend(options.backend.backend);
   const Parameters parameters = backend_parameters(backend, options.backend.parameters);
   RecordingReader recording(options.recording);
-  const Scene scene = scene_of(recording.header(), options);
-  require_same_scene(scene, recording.header(), options.recording);
+  const Scene scene = load_recorded_scene(recording.header(), {options.recording, options.scene, options.data});
 
   ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
   if (options.bones_only) colliders.of_muscle_pairs.clear();
