@@ -31,6 +31,7 @@ class ExactSurface {
   }
   [[nodiscard]] PointSide side(const Vec3& point, const ClosestPoint& closest) const;
   [[nodiscard]] Vec3 outward(const Vec3& point, const ClosestPoint& closest) const;
+  [[nodiscard]] AnswerBound answer_bound() const { return {m_touching_m, 0}; }
   [[nodiscard]] double touching_m() const { return m_touching_m; }
   [[nodiscard]] double near_m() const { return m_near_m; }
 

@@ -8,12 +8,12 @@
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/version.h>
 #include <array>
+#include <boost/iterator/function_output_iterator.hpp>
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <vector>
 
-#include "core/clearance/located_nodes.hpp"
+#include "core/clearance/located_triangles.hpp"
 #include "core/clearance/point_backend.hpp"
 #include "core/contact/backend_entry.hpp"
 
@@ -48,7 +48,6 @@ class CgalBone {
       : m_mesh(to_cgal(bone.surface.mesh)),
         m_tree(faces(m_mesh).first, faces(m_mesh).second, m_mesh),
         m_touching_m(touching_distance_m(bone.surface.mesh)),
-        m_is_closed(is_closed(bone.surface.mesh)),
         m_starts_warm(starts_warm),
         m_accelerates(accelerates) {
     m_tree.build();
@@ -73,20 +72,23 @@ class CgalBone {
     const std::size_t search = m_accelerates ? sizeof(CgalPoint) + 2 * sizeof(void*) : 0;
     return sizeof(*this) + mesh + m_mesh.number_of_faces() * (sizeof(CgalPrimitive) + node + search);
   }
-  [[nodiscard]] static std::optional<StructureError> error() { return std::nullopt; }
-  [[nodiscard]] const CgalBone& session() const { return *this; }
 
-  [[nodiscard]] LocatedPoint locate(const Vec3& point, int& near) const {
+  [[nodiscard]] int closest(const Vec3& point, int near) const {
     const CgalPoint query(point.x(), point.y(), point.z());
-    const auto [closest, face] = near >= 0 && m_starts_warm ? m_tree.closest_point_and_primitive(query, hint(near))
-                                                            : m_tree.closest_point_and_primitive(query);
-    near = static_cast<int>(face.idx());
-    const Vec3 on_surface(closest.x(), closest.y(), closest.z());
-    const double distance_m = (on_surface - point).norm();
-    if (distance_m > m_touching_m && (*m_side)(query) == CGAL::ON_BOUNDED_SIDE) {
-      return {.inside = true, .depth_m = distance_m, .outward = (on_surface - point) / distance_m};
-    }
-    return {.clearance_m = m_is_closed ? distance_m : 0};
+    const auto found = near >= 0 && m_starts_warm ? m_tree.closest_point_and_primitive(query, hint(near))
+                                                  : m_tree.closest_point_and_primitive(query);
+    return static_cast<int>(found.second.idx());
+  }
+  void list_within(const Vec3& point, double radius_m, ListedTriangles& list) const {
+    const Vec3 low = point.array() - radius_m;
+    const Vec3 high = point.array() + radius_m;
+    const CGAL::Bbox_3 box(low.x(), low.y(), low.z(), high.x(), high.y(), high.z());
+    m_tree.all_intersected_primitives(box, boost::make_function_output_iterator([&](const CgalMesh::Face_index& face) {
+                                        list.add(static_cast<int>(face.idx()));
+                                      }));
+  }
+  [[nodiscard]] bool is_inside(const Vec3& point) const {
+    return (*m_side)(CgalPoint(point.x(), point.y(), point.z())) == CGAL::ON_BOUNDED_SIDE;
   }
 
  private:
@@ -99,7 +101,6 @@ class CgalBone {
   CgalTree m_tree;
   std::unique_ptr<CGAL::Side_of_triangle_mesh<CgalMesh, CgalKernel>> m_side;
   double m_touching_m;
-  bool m_is_closed;
   bool m_starts_warm;
   bool m_accelerates;
 };
@@ -110,11 +111,9 @@ std::unique_ptr<CollisionBackend> make_cgal_backend(const Parameters& parameters
        .nodes_a_batch = 64,
        .contact_reach_m = [](const Bone& bone) { return touching_distance_m(bone.surface.mesh); },
        .build = [starts_warm = parameters.flag("warm_start"), accelerates = parameters.flag("accelerate"),
-                 culling = parameters.flag("cull") ? BoxCulling::bone_box : BoxCulling::none](
-                    const Bone& bone, int /*threads*/,
-                    const ShareReport& /*report*/) -> std::unique_ptr<BoneStructure> {
-         return std::make_unique<LocatedNodes<CgalBone>>(
-             std::make_unique<const CgalBone>(bone, starts_warm, accelerates), bone, culling);
+                 culls = parameters.flag("cull")](const Bone& bone, int /*threads*/,
+                                                  const ShareReport& /*report*/) -> std::unique_ptr<BoneStructure> {
+         return located_triangles(std::make_unique<const CgalBone>(bone, starts_warm, accelerates), bone, culls);
        }});
 }
 

@@ -4,7 +4,7 @@
 
 #include "backends/embree/embree_scene.hpp"
 #include "backends/embree/muscle_detector.hpp"
-#include "core/clearance/located_nodes.hpp"
+#include "core/clearance/located_triangles.hpp"
 #include "core/clearance/point_backend.hpp"
 #include "core/contact/backend_entry.hpp"
 
@@ -17,35 +17,26 @@ class EmbreeBone {
   EmbreeBone(const Bone& bone, const EmbreeSettings& settings, bool starts_warm)
       : m_scene(bone.surface.mesh, bone.surface.mesh.triangles, settings),
         m_touching_m(touching_distance_m(bone.surface.mesh)),
-        m_is_closed(is_closed(bone.surface.mesh)),
         m_starts_warm(starts_warm) {}
 
+  [[nodiscard]] int closest(const Vec3& point, int near) const {
+    constexpr double anywhere_m = std::numeric_limits<float>::max() / 4;
+    return m_scene.closest(point, m_starts_warm ? near : -1, anywhere_m).triangle;
+  }
+  void list_within(const Vec3& point, double radius_m, ListedTriangles& list) const {
+    m_scene.list_within(point, radius_m, list);
+  }
+  [[nodiscard]] bool is_inside(const Vec3& point) const { return m_scene.is_inside(point); }
   /// Closest points are exact; the side of a point that single precision moves to the other one is not.
   [[nodiscard]] AnswerBound answer_bound() const {
     const double side_m = m_touching_m + m_scene.rounding_m();
     return {side_m, side_m, m_scene.rounding_m()};
   }
   [[nodiscard]] std::size_t bytes() const { return m_scene.bytes(); }
-  [[nodiscard]] static std::optional<StructureError> error() { return std::nullopt; }
-  [[nodiscard]] const EmbreeBone& session() const { return *this; }
-
-  [[nodiscard]] LocatedPoint locate(const Vec3& point, int& near) const {
-    constexpr double anywhere_m = std::numeric_limits<float>::max() / 4;
-    const EmbreeClosest closest = m_scene.closest(point, m_starts_warm ? near : -1, anywhere_m);
-    if (closest.triangle < 0) return {};
-    near = closest.triangle;
-    const double distance_m = std::sqrt(closest.on_triangle.squared_distance_m2);
-    if (distance_m > m_touching_m && m_scene.is_inside(point)) {
-      return {.inside = true, .depth_m = distance_m, .outward = (closest.on_triangle.point - point) / distance_m};
-    }
-    // Rays may err on the side of a point this close; one that is farther away is free as far as the surface.
-    return {.clearance_m = m_is_closed ? distance_m - m_scene.rounding_m() : 0};
-  }
 
  private:
   EmbreeScene m_scene;
   double m_touching_m;
-  bool m_is_closed;
   bool m_starts_warm;
 };
 
@@ -58,12 +49,10 @@ std::unique_ptr<CollisionBackend> make_embree_backend(const Parameters& paramete
        .nodes_a_batch = 64,
        .contact_reach_m =
            [](const Bone& bone) { return 1e-5 * bounding_box(bone.surface.mesh.vertices).diagonal().norm(); },
-       .build = [settings, starts_warm = parameters.flag("warm_start"),
-                 culling = parameters.flag("cull") ? BoxCulling::bone_box : BoxCulling::none](
+       .build = [settings, starts_warm = parameters.flag("warm_start"), culls = parameters.flag("cull")](
                     const Bone& bone, int /*threads*/,
                     const ShareReport& /*report*/) -> std::unique_ptr<BoneStructure> {
-         return std::make_unique<LocatedNodes<EmbreeBone>>(
-             std::make_unique<const EmbreeBone>(bone, settings, starts_warm), bone, culling);
+         return located_triangles(std::make_unique<const EmbreeBone>(bone, settings, starts_warm), bone, culls);
        }});
 }
 

@@ -23,6 +23,7 @@ constexpr std::array<std::array<float, 3>, 9> directions = {{{0.8017F, 0.2673F, 
 
 /// Of a coordinate of the surface and one of the point, and what Embree rounds as it compares them.
 constexpr double rounding_units = 16;
+constexpr double single_rounding = std::numeric_limits<float>::epsilon();
 
 struct Search {
   const EmbreeScene& scene;
@@ -55,6 +56,23 @@ bool look_at_triangle(RTCPointQueryFunctionArguments* arguments) {
   if (radius >= arguments->query->radius) return false;
   arguments->query->radius = radius;
   return true;
+}
+
+struct Listing {
+  const EmbreeScene& scene;
+  Vec3 point;
+  double squared_radius_m2;
+  ListedTriangles& list;
+};
+
+bool list_triangle(RTCPointQueryFunctionArguments* arguments) {
+  auto& listing = *static_cast<Listing*>(arguments->userPtr);
+  const auto triangle = static_cast<int>(arguments->primID);
+  const auto [a, b, c] = listing.scene.corners(triangle);
+  if (closest_on_triangle(listing.point, a, b, c).squared_distance_m2 <= listing.squared_radius_m2) {
+    listing.list.add(triangle);
+  }
+  return false;
 }
 
 /// A ray that is told what it meets. Trees of high quality hold a triangle more than once, and tell it as often.
@@ -128,7 +146,7 @@ void EmbreeScene::place() {
     for (const int corner : triangle) box.extend(m_positions[static_cast<std::size_t>(corner)]);
   }
   m_middle = box.center();
-  m_rounding_m = rounding_units * static_cast<double>(std::numeric_limits<float>::epsilon()) * box.diagonal().norm();
+  m_rounding_m = rounding_units * single_rounding * box.diagonal().norm();
   for (std::size_t i = 0; i < m_positions.size(); ++i) {
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       m_vertices[3 * i + static_cast<std::size_t>(axis)] = static_cast<float>(m_positions[i][axis] - m_middle[axis]);
@@ -145,7 +163,7 @@ std::array<Vec3, 3> EmbreeScene::corners(int triangle) const {
 EmbreeClosest EmbreeScene::closest(const Vec3& point, int near, double limit_m) const {
   const Vec3 local = point - m_middle;
   // A point far away is rounded by more than one at the surface.
-  const double far_m = static_cast<double>(std::numeric_limits<float>::epsilon()) * local.cwiseAbs().maxCoeff();
+  const double far_m = single_rounding * local.cwiseAbs().maxCoeff();
   Search search{*this, point, limit_m * limit_m, m_rounding_m + rounding_units * far_m, {}};
   if (near >= 0) search.look_at(near);
   RTCPointQuery query{static_cast<float>(local.x()), static_cast<float>(local.y()), static_cast<float>(local.z()), 0,
@@ -154,6 +172,17 @@ EmbreeClosest EmbreeScene::closest(const Vec3& point, int near, double limit_m) 
   rtcInitPointQueryContext(&context);
   rtcPointQuery(m_scene.get(), &query, &context, look_at_triangle, &search);
   return search.best;
+}
+
+void EmbreeScene::list_within(const Vec3& point, double radius_m, ListedTriangles& list) const {
+  const Vec3 local = point - m_middle;
+  const double rounding_m = m_rounding_m + rounding_units * single_rounding * local.cwiseAbs().maxCoeff();
+  Listing listing{*this, point, radius_m * radius_m, list};
+  RTCPointQuery query{static_cast<float>(local.x()), static_cast<float>(local.y()), static_cast<float>(local.z()), 0,
+                      static_cast<float>(radius_m + rounding_m)};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(m_scene.get(), &query, &context, list_triangle, &listing);
 }
 
 bool EmbreeScene::is_inside(const Vec3& point) const {

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/clearance/located_triangles.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
@@ -44,6 +45,8 @@ class EmbreeScene {
   /// The closest point of the surface, not farther than `limit_m` from `point`. Triangles count from 0 within those of
   /// the scene. `near`: one that may be close, or -1.
   [[nodiscard]] EmbreeClosest closest(const Vec3& point, int near, double limit_m) const;
+  /// Adds every triangle closer to `point` than `radius_m`.
+  void list_within(const Vec3& point, double radius_m, ListedTriangles& list) const;
   /// Whether most rays from `point` leave the surface more often than they enter it.
   [[nodiscard]] bool is_inside(const Vec3& point) const;
   [[nodiscard]] std::array<Vec3, 3> corners(int triangle) const;

@@ -27,7 +27,7 @@ class CachedPointQuery final : public BoneStructure {
  public:
   explicit CachedPointQuery(Surface surface) : m_surface(std::move(surface)) {}
 
-  [[nodiscard]] AnswerBound answer_bound() const override { return {m_surface.touching_m(), 0}; }
+  [[nodiscard]] AnswerBound answer_bound() const override { return m_surface.answer_bound(); }
   [[nodiscard]] std::size_t bytes() const override {
     return m_surface.bytes() + m_node_caches.size() * sizeof(NodeCache) + m_exit_points.size() * sizeof(Vec3);
   }

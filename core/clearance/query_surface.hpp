@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "core/bvh/triangle_bvh.hpp"
+#include "core/contact/collision_backend.hpp"
 
 namespace musclebench {
 
@@ -26,6 +27,7 @@ struct PointSide {
 /// - `distance_m(point, triangle)`: the distance to one triangle.
 /// - `side(point, closest)`: the side of a point. `closest` is its closest point.
 /// - `outward(point, closest)`: the unit normal out of the surface at the closest point of a point inside.
+/// - `answer_bound()`: see BoneStructure.
 /// - `touching_m()`: a point closer to the surface than this never counts as inside.
 /// - `bytes()`: memory of the surface.
 /// - `near_m()`: candidate lists pay off for points closer to the surface than this.
@@ -48,6 +50,7 @@ concept QuerySurface = requires(const Surface& surface, const Vec3& point, const
   { surface.distance_m(point, triangle) } -> std::same_as<double>;
   { surface.side(point, closest) } -> std::same_as<PointSide>;
   { surface.outward(point, closest) } -> std::convertible_to<Vec3>;
+  { surface.answer_bound() } -> std::same_as<AnswerBound>;
   { surface.touching_m() } -> std::same_as<double>;
   { surface.near_m() } -> std::same_as<double>;
   { surface.bytes() } -> std::same_as<std::size_t>;
