@@ -41,8 +41,8 @@ class ListedTriangles {
 };
 
 /// What a library has to offer about the triangles of one bone to get candidate lists as well as a clearance cache and
-/// warm starts. Points are finite, in the bone's rest frame, in metres, and no farther than 1e15 m from its origin; triangles are those of the bone's mesh. All
-/// operations are const and safe from several threads.
+/// warm starts. Points are finite, in the bone's rest frame, in metres, and no farther than 1e15 m from its origin;
+/// triangles are those of the bone's mesh. All operations are const and safe from several threads.
 ///
 /// - `closest(point, near)`: index of the closest triangle. `near` is one that may be near, or -1; it must change no
 ///   answer. Of several triangles at the same distance any will do.
