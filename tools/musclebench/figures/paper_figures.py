@@ -64,7 +64,7 @@ def _draw_times(cases, muscle: str, runs: dict[str, Run], published: Published, 
         waiting += int(waited.sum())
         ratio = collision_ratio(cases, muscle, backend)
         paper = published.time_ratio(backend)
-        note = "" if backend == "voxel" else f"\n{as_ratio(ratio.value)} x voxel\n(paper {paper or 'none'})"
+        note = "" if backend == "voxel" else f"\n{as_ratio(ratio.value)} x voxel" + (f"\n(paper {paper})" if paper else "")
         labels.append((milliseconds.iloc[-30:].median(), f"{looks.title(backend)}{note}", backend))
     axes.set_yscale("log")
     axes.yaxis.set_major_formatter(PLAIN_NUMBERS)

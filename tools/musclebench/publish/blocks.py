@@ -13,7 +13,9 @@ from ..effects import effect_tables, guards, returns
 from ..hard import hard_tables
 from ..program.cli import Problem
 from ..results.disturbance import MARK
-from ..tables import arm_prices, choices, difficulties, force_table, library_table, muscle_tables, outcomes, paper_tables, prices
+from ..tables import (
+    arm_prices, choices, difficulties, force_table, library_table, muscle_tables, outcomes, paper_tables, prices, smoothness_table,
+)
 from ..tables.table_formats import Column, as_ratio, markdown_rows, with_unit
 from .measured import Measured
 from .selection import chosen_rows, plain
@@ -23,6 +25,7 @@ TIME_KEYS = ("muscle", "backend", "collision_ms", "ratio", "paper_ratio", "fps",
 SPLIT_KEYS = ("muscle", "update_ms", "detect_ms", "respond_ms", "ratio", "ratio_low", "ratio_high")
 MEMORY_KEYS = ("muscle", "backend", "first_mb", "last_mb", "first_offset_mb", "last_offset_mb", "structure_mb",
                "paper_first_mb", "paper_last_mb", "paper_first_offset_mb", "paper_last_offset_mb")
+SMOOTHNESS_KEYS = ("muscle", "backend", "nodes", "rest_deg", "roughness_deg", "over_exact", "floor_percent", "rms_mm")
 PRICE_KEYS = ("muscle", "target_mm", "configuration", "time_ms", "ratio", "ratio_low", "ratio_high", "build_s",
               "structure_mb", "p99_offset_mm", "left_mm", "missed", "true")
 ARM_PRICE_KEYS = ("muscle", "target_mm", "configuration", "time_ms", "ratio", "structure_mb", "arm_rms_mm", "arm_max_mm",
@@ -149,6 +152,7 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "times": _from("table_2_times", paper_tables.TIME_COLUMNS, TIME_KEYS),
     "split": _from("table_2_times", paper_tables.TIME_COLUMNS, SPLIT_KEYS),
     "memory": _from("table_1_memory", paper_tables.MEMORY_COLUMNS, MEMORY_KEYS),
+    "smoothness": _from("smoothness", smoothness_table.COLUMNS, SMOOTHNESS_KEYS),
     "frame_times": _frame_times,
     "depths": _from("table_4_depths", muscle_tables.DEPTH_COLUMNS, DEPTH_KEYS),
     "pairs": _from("table_5_pairs", muscle_tables.PAIR_COLUMNS, PAIR_KEYS),
