@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -75,10 +74,10 @@ void find_within_band(const Referee& referee, const std::vector<Eigen::AlignedBo
   }
 }
 
-/// Vertices, middles of edges, points next to the surface and anywhere: a muscle brings few of these.
-void add_around(const Referee& referee, const Scene& scene, std::size_t bone, int count, QuerySet& set) {
+/// Points that no node was at.
+void add_points(const Referee& referee, std::size_t bone, std::span<const Vec3> points, QuerySet& set) {
   const auto index = static_cast<std::int32_t>(bone);
-  for (const Vec3& point : points_about(scene.bones[bone].surface.mesh, count, 1 + bone)) {
+  for (const Vec3& point : points) {
     const SurfaceDistance answer = referee.closest(index, point);
     add_vector(set.points_m, point);
     add_vector(set.closest_m, answer.closest_point_m);
@@ -204,7 +203,18 @@ QuerySet queries_of(const Scene& scene, FrameSource& recording, const QueryChoic
     set.step.push_back(found.steps[i]);
     set.difficulty.push_back(static_cast<std::int32_t>(site.difficulty));
   }
-  for (std::size_t bone = 0; bone < scene.bones.size(); ++bone) add_around(referee, scene, bone, choice.around, set);
+  for (std::size_t bone = 0; bone < scene.bones.size(); ++bone) {
+    // Vertices, middles of edges, points next to the surface and anywhere: a muscle brings few of these.
+    add_points(referee, bone, points_about(scene.bones[bone].surface.mesh, choice.around, 1 + bone), set);
+  }
+  return set;
+}
+
+QuerySet queries_about(const Bone& bone, std::span<const Vec3> points) {
+  const Referee referee(std::span(&bone, 1), 0);
+  QuerySet set;
+  set.bones.push_back(bone_of(bone));
+  add_points(referee, 0, points, set);
   return set;
 }
 
@@ -259,8 +269,11 @@ std::vector<double> read_answers(const std::filesystem::path& path, const QueryS
 
 QueryErrors compare_answers(const QuerySet& set, const std::vector<double>& answers,
                             const std::function<bool(std::size_t)>& counts) {
-  std::vector<double> touching_m;
-  for (const QuerySet::Bone& bone : set.bones) touching_m.push_back(touching_distance_m(bone_of(bone).surface.mesh));
+  std::vector<double> unclear_m;  // nearer to the surface than this the side may be either
+  for (const QuerySet::Bone& bone : set.bones) {
+    const TriangleMesh mesh = bone_of(bone).surface.mesh;
+    unclear_m.push_back(std::max(touching_distance_m(mesh), agreed_difference_m(mesh)));
+  }
   QueryErrors found;
   std::vector<double> errors_m;
   for (std::size_t i = 0; i < answers.size(); ++i) {
@@ -272,7 +285,7 @@ QueryErrors compare_answers(const QuerySet& set, const std::vector<double>& answ
       continue;
     }
     errors_m.push_back(std::abs(answers[i] - truth_m));
-    const bool is_clear = std::abs(truth_m) > touching_m[static_cast<std::size_t>(set.bone[i])];
+    const bool is_clear = std::abs(truth_m) > unclear_m[static_cast<std::size_t>(set.bone[i])];
     if (is_clear && (answers[i] < 0) != (truth_m < 0)) ++found.wrong_sides;
   }
   if (errors_m.empty()) return found;
@@ -286,10 +299,7 @@ std::vector<QuerySetCheck> check_query_set(const QuerySet& set) {
   double agreed_m = 0;
   for (const QuerySet::Bone& bone : set.bones) {
     bones.push_back(bone_of(bone));
-    const Eigen::AlignedBox3d box = bounding_box(bones.back().surface.mesh.vertices);
-    const double largest_m = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
-    agreed_m = std::max(agreed_m, agreed_share * box.diagonal().norm() +
-                                      agreed_roundings * std::numeric_limits<double>::epsilon() * largest_m);
+    agreed_m = std::max(agreed_m, agreed_difference_m(bones.back().surface.mesh));
   }
   std::vector<QuerySetCheck> checks;
   for (const BackendEntry& backend : backend_registry()) {

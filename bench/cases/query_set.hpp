@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,9 @@ std::string_view difficulty_name(std::int32_t difficulty);
 QuerySet queries_of(const Scene& scene, FrameSource& recording, const QueryChoice& choice,
                     const std::function<void(int)>& report);
 
+/// The Referee's answers about points (rest frame, m) and one bone.
+QuerySet queries_about(const Bone& bone, std::span<const Vec3> points);
+
 /// As datasets/queries/README.md describes it, as a whole or not at all. Returns the hash that it ends in.
 std::string write_query_set(const std::filesystem::path& path, const QuerySet& set);
 
@@ -46,7 +50,7 @@ std::vector<double> read_answers(const std::filesystem::path& path, const QueryS
 struct QueryErrors {
   std::size_t queries = 0;
   std::size_t unanswered = 0;
-  std::size_t wrong_sides = 0;  ///< farther from the surface than the touching distance
+  std::size_t wrong_sides = 0;  ///< farther from the surface than touching distance and rounding
   double p99_m = 0;             ///< of the differences of signed distances
   double largest_m = 0;
 };

@@ -127,6 +127,13 @@ std::int64_t points_for(const TriangleMesh& mesh, const VerificationSettings& se
 
 }  // namespace
 
+double agreed_difference_m(const TriangleMesh& mesh) {
+  const Eigen::AlignedBox3d box = box_of_triangles(mesh);
+  const double largest_coordinate_m = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
+  return agreed_share * box.diagonal().norm() +
+         agreed_roundings * std::numeric_limits<double>::epsilon() * largest_coordinate_m;
+}
+
 bool SurfaceVerification::holds(const Agreement& agreement) const {
   return agreement.sign_differences == 0 && agreement.largest_difference_m <= agreed_m;
 }
@@ -189,11 +196,8 @@ SurfaceVerification verify_surface(const Bone& bone, const VerificationSettings&
   });
 
   SurfaceVerification result;
-  const Eigen::AlignedBox3d box = box_of_triangles(mesh);
-  result.diagonal_m = box.diagonal().norm();
-  const double largest_coordinate_m = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
-  result.agreed_m = agreed_share * result.diagonal_m +
-                    agreed_roundings * std::numeric_limits<double>::epsilon() * largest_coordinate_m;
+  result.diagonal_m = box_of_triangles(mesh).diagonal().norm();
+  result.agreed_m = agreed_difference_m(mesh);
   result.pairs.push_back(compare(points, of_exact, of_referee, result.agreed_m));
   for (const BackendEntry& other : backend_registry()) {
     if (other.exact && other.signed_distance && &other != &exact) {

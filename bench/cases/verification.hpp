@@ -23,6 +23,9 @@ struct VerificationSettings {
 constexpr double agreed_share = 1e-12;
 constexpr double agreed_roundings = 64;
 
+/// The largest difference of two signed distances to the mesh that rounding explains, m.
+double agreed_difference_m(const TriangleMesh& mesh);
+
 /// How two implementations of the same signed distance agree.
 struct Agreement {
   std::string first;  ///< name of a backend, or "Referee"

@@ -37,6 +37,7 @@ struct HardOptions {
   std::vector<std::string> parameters;
   std::string out;
   std::string data;
+  std::string wrong;
   double seconds = 0;
   int jobs = usable_cores();
   int fuzz = 0;
@@ -80,6 +81,16 @@ void print_cases(const std::vector<HardCase>& cases) {
   }
 }
 
+/// Earlier files of the cell are removed.
+std::string wrong_prefix(const HardOptions& options, const HardCase& each, const BackendEntry& backend) {
+  if (options.wrong.empty()) return {};
+  std::filesystem::create_directories(options.wrong);
+  std::string prefix = (std::filesystem::path(options.wrong) / fmt::format("{}-{}", each.id, backend.name)).string();
+  for (int number = 1; std::filesystem::remove(fmt::format("{}-{}.queries", prefix, number)); ++number) {
+  }
+  return prefix;
+}
+
 HardMatrix run_cells(const HardOptions& options) {
   const std::vector<const BackendEntry*> backends = chosen_backends(options);
   HardMatrix matrix{{}, chosen_cases(options)};
@@ -103,7 +114,9 @@ HardMatrix run_cells(const HardOptions& options) {
       const HardRequest request{.backend = *entry,
                                 .given = parse_assignments(options.parameters, "--param", entry->parameters),
                                 .whole = options.whole,
-                                .data = options.data};
+                                .data = options.data,
+                                .threads = 1,
+                                .wrong_prefix = wrong_prefix(options, each, *entry)};
       if (static_cast<int>(at_work.size()) >= options.jobs) take_one();
       at_work.emplace_back([&] { return each.run(request); }, options.seconds);
       cell_of.push_back(started++);
@@ -196,6 +209,9 @@ void add_hard_command(CLI::App& app, int& exit_code) {
   command->add_option("--param", options->parameters, "Parameter key=value of the one --backend; may be repeated");
   command->add_option("--data", options->data,
                       "Folder of the LHDL data, for the cases with real muscles (default: $MUSCLEBENCH_DATA)");
+  command->add_option("--wrong-points", options->wrong,
+                      "Folder for query sets of the points whose side a backend tells wrongly (default: none); "
+                      "datasets/queries/README.md explains them");
   command->add_option("--out", options->out, "Folder for matrix.csv and matrix.md (default: none, print only)");
   command
       ->add_option("--seconds", options->seconds,

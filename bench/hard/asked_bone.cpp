@@ -3,10 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <numeric>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "bench/cases/query_set.hpp"
+#include "bench/cases/verification.hpp"
 #include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
@@ -37,7 +41,10 @@ HardCell with_parameters_for_points(HardCell cell, const HardRequest& request) {
 
 AskedBone::AskedBone(const HardRequest& request, const TriangleMesh& mesh, std::size_t points,
                      const std::map<std::string, ParameterValue>& more)
-    : m_nodes(points), m_backend(request.backend.make(request.parameters_for_points(more))) {
+    : m_backend_name(request.backend.name),
+      m_wrong_prefix(request.wrong_prefix),
+      m_nodes(points),
+      m_backend(request.backend.make(request.parameters_for_points(more))) {
   m_bones.push_back({"bone", repair_mesh(mesh, "bone")});
   m_muscle.vertices.assign(points, Vec3::Zero());
   std::iota(m_nodes.begin(), m_nodes.end(), 0);
@@ -51,7 +58,34 @@ std::vector<Contact> AskedBone::contacts(std::span<const Vec3> points, const Rig
   std::vector<Contact> found;
   m_backend->update(std::array{pose}, positions);
   m_backend->detect(positions, m_nodes, found);
+  if (!m_wrong_prefix.empty()) write_wrong(points, found);
   return found;
+}
+
+void AskedBone::write_wrong(std::span<const Vec3> points, const std::vector<Contact>& contacts) const {
+  constexpr std::size_t most_points = 20;
+  const QuerySet asked = queries_about(m_bones.front(), points);
+  std::vector<char> is_found(points.size(), 0);
+  for (const Contact& contact : contacts) is_found[static_cast<std::size_t>(contact.node)] = 1;
+  const double slack_m = agreed_difference_m(mesh());
+  std::vector<std::pair<double, std::size_t>> wrong;  // by how far beyond what the backend declares
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double truth_m = asked.distances_m[i];
+    const double beyond_m = is_found[i] != 0 ? truth_m - bound().false_distance_m : -truth_m - bound().missed_depth_m;
+    if (beyond_m > slack_m) wrong.emplace_back(-beyond_m, i);
+  }
+  if (wrong.empty()) return;
+  std::sort(wrong.begin(), wrong.end());
+  std::vector<Vec3> worst;
+  for (std::size_t i = 0; i < std::min(wrong.size(), most_points); ++i) worst.push_back(points[wrong[i].second]);
+  QuerySet set = queries_about(m_bones.front(), worst);
+  set.about =
+      fmt::format("points on whose side {} is wrong by more than it declares, {} of {} asked, the worst first; m",
+                  m_backend_name, wrong.size(), points.size());
+  int number = 1;
+  const auto path = [&] { return fmt::format("{}-{}.queries", m_wrong_prefix, number); };
+  while (std::filesystem::exists(path())) ++number;
+  write_query_set(path(), set);
 }
 
 std::vector<double> AskedBone::depths(std::span<const Vec3> points, const RigidMotion& pose) {

@@ -35,6 +35,10 @@ class AskedBone {
   [[nodiscard]] bool tells_depth() const { return m_backend->capabilities().depth; }
 
  private:
+  void write_wrong(std::span<const Vec3> points, const std::vector<Contact>& contacts) const;
+
+  std::string m_backend_name;
+  std::string m_wrong_prefix;
   std::vector<Bone> m_bones;
   TriangleMesh m_muscle;
   std::vector<int> m_nodes;

@@ -52,6 +52,9 @@ struct HardRequest {
   bool whole = false;                                ///< the long sweeps, too
   std::string data = {};                             ///< folder of the anatomical data; empty: $MUSCLEBENCH_DATA
   int threads = 1;
+  /// Cases that ask about points write those that the backend answers wrongly to PREFIX-1.queries and so on, to be sent
+  /// to its makers; empty: nowhere.
+  std::string wrong_prefix = {};
   /// What a test spoils in each scene before it runs, to see that the case breaks.
   std::function<void(Scene&)> spoil = {};
 

@@ -1,14 +1,17 @@
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iterator>
 #include <map>
 #include <set>
 #include <string_view>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
 #include "backends/registry.hpp"
+#include "bench/cases/query_set.hpp"
 #include "bench/cases/scene_source.hpp"
 #include "bench/hard/hard_case.hpp"
 #include "bench/hard/tests/broken_backend.hpp"
@@ -295,6 +298,39 @@ TEST(HardCase, IsSeenRedOnce) {
     if (!each.effects.empty()) continue;
     EXPECT_EQ(seen.count(each.id), 1U) << each.id << ": break it once in a test";
   }
+}
+
+/// A file a bone, with no more points than one looks through, the worst first; what holds leaves none.
+TEST(BrokenBackends, PointsThatAreAnsweredWronglyAreWrittenForTheirMakers) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "wrong_points";
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  const std::vector<HardCase> cases = hard_cases();
+  const auto soundness = std::ranges::find(cases, std::string_view("soundness"), &HardCase::id);
+  const auto written_by = [&](const BackendEntry& backend) {
+    const HardRequest request{.backend = backend, .wrong_prefix = (folder / backend.name).string()};
+    (void)soundness->run(request);
+    std::vector<QuerySet> sets;
+    for (int number = 1;; ++number) {
+      const std::filesystem::path file = folder / fmt::format("{}-{}.queries", backend.name, number);
+      if (!std::filesystem::exists(file)) return sets;
+      sets.push_back(read_checked_query_set(file));
+    }
+  };
+  EXPECT_TRUE(written_by(find_backend("bvh")).empty());
+  const std::vector<QuerySet> sets = written_by(leaks(find_backend("bvh")));
+  ASSERT_EQ(sets.size(), 4U);  // the shapes of the case
+  for (const QuerySet& set : sets) {
+    ASSERT_FALSE(set.distances_m.empty());
+    EXPECT_LE(set.distances_m.size(), 20U);
+    EXPECT_TRUE(std::ranges::is_sorted(set.distances_m));  // the deepest that was missed comes first
+    for (const double distance_m : set.distances_m) {
+      EXPECT_LT(distance_m, 0);
+      EXPECT_GT(distance_m, -1e-3);
+    }
+    for (const QuerySetCheck& check : check_query_set(set)) EXPECT_TRUE(check.held()) << check.by;
+  }
+  std::filesystem::remove_all(folder);
 }
 
 }  // namespace

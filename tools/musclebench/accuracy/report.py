@@ -9,6 +9,7 @@ from ..experiments.caveats import caveats
 from ..figures import captions, looks
 from ..figures.convergence import draw_costs, draw_errors
 from ..figures.offset_and_depth import draw_offsets, offset_rows, told
+from ..figures.library_costs import draw_library_costs
 from ..figures.pareto import draw_pareto
 from ..figures.stages import draw_stages, stage_rows
 from ..program.optional_packages import left_out_without
@@ -85,6 +86,7 @@ def write_report(out_dir: Path) -> AccuracyReport:
         files += _draw_forces(armed, wrong, forces, figures)
         files += _draw_convergence(aggregates, builds, figures)
         files += _draw_stages(coupled, replays, figures)
+        files += draw_library_costs(study_rows(aggregates, builds), figures)
     return AccuracyReport(files, made)
 
 

@@ -10,6 +10,7 @@ from .causes import read_causes
 SHOWN = {"holds": "holds", "breaks": "**BREAKS**", "refused": "refused", "not applicable": "-"}
 BEYOND_COLUMNS = [Column("case", "case"), Column("backend", "backend"), Column("verdict", ""), Column("figure", "figure"),
                   Column("measured", "measured"), Column("bar", "bar"), Column("said", "what the program says")]
+MOST_OF_A_PAGE = 5
 CAUSE_COLUMNS = [Column("why", "cause"), Column("count", "cells"), Column("cases", "cases")]
 UNASKED_COLUMNS = [Column("backends", "backend"), Column("said", "why"), Column("cases", "cases")]
 
@@ -100,7 +101,10 @@ def not_held(cells: pd.DataFrame, backend: str, reference: str, texts_in: str = 
     rows = rows[[row.case not in theirs or _text(theirs[row.case]) != _text(row.figure) for row in rows.itertuples()]]
     if not rows["verdict"].isin(["breaks", "refused"]).any():
         return f"It holds all cases that can be asked of it, but for those that `{reference}` does not hold by the same figure."
-    return beyond(rows, texts_in)
+    every = rows[rows["verdict"].isin(["breaks", "refused"])].sort_values("verdict", kind="stable")
+    few, more = every.iloc[:MOST_OF_A_PAGE], len(every) - MOST_OF_A_PAGE
+    last = f"\n| {more} more: [breaks.md](../hard_cases/breaks.md) | | | | | | |" if more > 0 else ""
+    return f"{beyond(few, texts_in)}{last}"
 
 
 def _link(case: str, texts_in: str) -> str:
