@@ -1,4 +1,6 @@
-"""Runs the paper's experiment: 4 muscles, 3 backends, and a control without collision.
+"""Runs the paper's experiment: 4 muscles, the paper's 3 backends, and a control without collision.
+
+Beside them run Discregrid's own evaluation (if it is built), FCL as its users advise, and an exact backend.
 
 Tables, figures and report.html go to --out.
 

@@ -3,7 +3,8 @@
 # In the order in which they are published: the longest last.
 TABLES = {
     "paper": ("tables/table_1_memory.csv", "tables/table_2_times.csv", "tables/table_3_frame_times.csv",
-              "tables/table_4_depths.csv", "tables/table_5_pairs.csv"),  # from 3 on: of scenes of several muscles
+              "tables/table_4_depths.csv", "tables/table_5_pairs.csv",  # from 3 on: of scenes of several muscles
+              "tables/smoothness.csv"),
     "speed": ("speed.csv",),
     "hard": ("tables/cells.csv", "tables/cases.csv"),
     "convergence": ("tables/substeps.csv",),
