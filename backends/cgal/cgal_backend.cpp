@@ -1,11 +1,3 @@
-#include <CGAL/AABB_face_graph_triangle_primitive.h>
-#include <CGAL/AABB_traits.h>
-#include <CGAL/AABB_tree.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Polygon_mesh_processing/orient_polygon_soup.h>
-#include <CGAL/Polygon_mesh_processing/polygon_soup_to_polygon_mesh.h>
-#include <CGAL/Side_of_triangle_mesh.h>
-#include <CGAL/Surface_mesh.h>
 #include <CGAL/version.h>
 #include <array>
 #include <boost/iterator/function_output_iterator.hpp>
@@ -13,6 +5,8 @@
 #include <memory>
 #include <vector>
 
+#include "backends/cgal/cgal_mesh.hpp"
+#include "backends/cgal/muscle_detector.hpp"
 #include "core/clearance/located_triangles.hpp"
 #include "core/clearance/point_backend.hpp"
 #include "core/contact/backend_entry.hpp"
@@ -21,31 +15,10 @@ namespace musclebench {
 
 namespace {
 
-using CgalKernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using CgalPoint = CgalKernel::Point_3;
-using CgalMesh = CGAL::Surface_mesh<CgalPoint>;
-using CgalPrimitive = CGAL::AABB_face_graph_triangle_primitive<CgalMesh>;
-using CgalTree = CGAL::AABB_tree<CGAL::AABB_traits<CgalKernel, CgalPrimitive>>;
-
-/// CGAL's meshes are manifold: where a surface is not, its vertices are doubled.
-CgalMesh to_cgal(const TriangleMesh& mesh) {
-  std::vector<CgalPoint> points;
-  for (const Vec3& vertex : mesh.vertices) points.emplace_back(vertex.x(), vertex.y(), vertex.z());
-  std::vector<std::array<std::size_t, 3>> faces;
-  for (const Triangle& triangle : mesh.triangles) {
-    faces.push_back({static_cast<std::size_t>(triangle[0]), static_cast<std::size_t>(triangle[1]),
-                     static_cast<std::size_t>(triangle[2])});
-  }
-  CgalMesh made;
-  CGAL::Polygon_mesh_processing::orient_polygon_soup(points, faces);
-  CGAL::Polygon_mesh_processing::polygon_soup_to_polygon_mesh(points, faces, made);
-  return made;
-}
-
 class CgalBone {
  public:
   CgalBone(const Bone& bone, bool starts_warm, bool accelerates)
-      : m_mesh(to_cgal(bone.surface.mesh)),
+      : m_mesh(to_cgal(bone.surface.mesh.vertices, bone.surface.mesh.triangles).mesh),
         m_tree(faces(m_mesh).first, faces(m_mesh).second, m_mesh),
         m_touching_m(touching_distance_m(bone.surface.mesh)),
         m_starts_warm(starts_warm),
@@ -56,25 +29,17 @@ class CgalBone {
     } else {
       m_tree.do_not_accelerate_distance_queries();
     }
-    m_side = std::make_unique<CGAL::Side_of_triangle_mesh<CgalMesh, CgalKernel>>(m_tree);
+    m_side = std::make_unique<CgalSide>(m_tree);
   }
   CgalBone(const CgalBone&) = delete;
   CgalBone& operator=(const CgalBone&) = delete;
 
   /// Sides are exact, closest points are rounded.
   [[nodiscard]] AnswerBound answer_bound() const { return {m_touching_m, m_touching_m}; }
-  /// By the sizes of what CGAL documents: a mesh with three halfedges a face, a tree with a primitive a face and as
-  /// many nodes with a box, and a search tree of one point a face where distance queries are accelerated.
-  [[nodiscard]] std::size_t bytes() const {
-    const std::size_t mesh = m_mesh.number_of_vertices() * sizeof(CgalPoint) +
-                             m_mesh.number_of_halfedges() * 4 * sizeof(CgalMesh::size_type);
-    const std::size_t node = sizeof(CGAL::Bbox_3) + 2 * sizeof(void*);
-    const std::size_t search = m_accelerates ? sizeof(CgalPoint) + 2 * sizeof(void*) : 0;
-    return sizeof(*this) + mesh + m_mesh.number_of_faces() * (sizeof(CgalPrimitive) + node + search);
-  }
+  [[nodiscard]] std::size_t bytes() const { return sizeof(*this) + cgal_bytes(m_mesh, m_accelerates); }
 
   [[nodiscard]] int closest(const Vec3& point, int near) const {
-    const CgalPoint query(point.x(), point.y(), point.z());
+    const CgalPoint query = to_cgal(point);
     const auto found = near >= 0 && m_starts_warm ? m_tree.closest_point_and_primitive(query, hint(near))
                                                   : m_tree.closest_point_and_primitive(query);
     return static_cast<int>(found.second.idx());
@@ -87,9 +52,7 @@ class CgalBone {
                                         list.add(static_cast<int>(face.idx()));
                                       }));
   }
-  [[nodiscard]] bool is_inside(const Vec3& point) const {
-    return (*m_side)(CgalPoint(point.x(), point.y(), point.z())) == CGAL::ON_BOUNDED_SIDE;
-  }
+  [[nodiscard]] bool is_inside(const Vec3& point) const { return (*m_side)(to_cgal(point)) == CGAL::ON_BOUNDED_SIDE; }
 
  private:
   [[nodiscard]] CgalTree::Point_and_primitive_id hint(int face) const {
@@ -99,7 +62,7 @@ class CgalBone {
 
   CgalMesh m_mesh;
   CgalTree m_tree;
-  std::unique_ptr<CGAL::Side_of_triangle_mesh<CgalMesh, CgalKernel>> m_side;
+  std::unique_ptr<CgalSide> m_side;
   double m_touching_m;
   bool m_starts_warm;
   bool m_accelerates;
@@ -136,7 +99,8 @@ BackendEntry cgal_entry() {
                                           .default_value = true,
                                           .help = "do not ask about nodes outside the bone's box"}),
                          clearance_cache_parameter()},
-          .make = make_cgal_backend};
+          .make = make_cgal_backend,
+          .make_muscle_detector = make_cgal_muscle_detector};
 }
 
 }  // namespace musclebench

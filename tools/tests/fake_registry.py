@@ -104,6 +104,10 @@ def write_survey(folder: Path, scene: str, frames: int) -> None:
     (folder / "run.json").write_text(json.dumps(survey_record(scene, frames)))
 
 
+def names_with_many_choices() -> list[str]:
+    return [backend.name for backend in registry().backends if backend.has_many_choices]
+
+
 def scene(name: str, frames: int | None = None) -> Scene:
     """As a survey tells it."""
     from musclebench.cases.scene import Scene, told

@@ -52,7 +52,7 @@ def test_every_figure_has_its_rows_and_its_caption(reported):
     folder, made, _ = reported
     stems = {path.stem for path in made if path.suffix == ".png"}
     assert stems == {"pareto_replay", "pareto_coupled", "pareto_coupled_shape", "offset_and_depth", "convergence", "convergence_cost",
-                     "stages"}
+                     "stages", *(f"library_{name}" for name in fake_registry.names_with_many_choices())}
     for stem in stems:
         for suffix in (".png", ".svg", ".csv", ".md"):
             assert (folder / "figures" / f"{stem}{suffix}").stat().st_size > 0

@@ -86,7 +86,7 @@ def write_report(out_dir: Path) -> AccuracyReport:
         files += _draw_forces(armed, wrong, forces, figures)
         files += _draw_convergence(aggregates, builds, figures)
         files += _draw_stages(coupled, replays, figures)
-        files += draw_library_costs(study_rows(aggregates, builds), figures)
+        files += _draw_libraries(study_rows(aggregates, builds), replays, figures)
     return AccuracyReport(files, made)
 
 
@@ -217,6 +217,14 @@ def _draw_stages(coupled: list[Aggregate], replays: list[Aggregate], folder: Pat
              "tell milliseconds a frame. Each backend in its default; of one with many choices also the fastest "
              "configuration that answers right on replayed positions. Judging and writing are outside."]
     return _with_caption(files, title, texts, _cases(coupled))
+
+
+def _draw_libraries(study, replays: list[Aggregate], folder: Path) -> list[Path]:
+    made: list[Path] = []
+    for library, files in draw_library_costs(study, folder).items():
+        texts = [captions.TIME, "Off by: the surface offset, 99th percentile over the contacts; \"-\": it is not asked about points."]
+        made += _with_caption(files, f"What {looks.title(library)} costs in its configurations", texts, _cases(replays))
+    return made
 
 
 def _with_caption(files: list[Path], title: str, texts: list[str], cases: list[StudyCase]) -> list[Path]:

@@ -17,6 +17,7 @@ DISABLED, INHERIT, NO_KERNEL, NO_HYPERVISOR, ENABLE_ON_EXEC = 1 << 0, 1 << 1, 1 
 # The loop only: reading, building and writing take some per cent more or less from run to run.
 COUNTED = "musclebench::Simulation::step_frame(*"
 CALLGRIND_FILE = "callgrind.out"
+CPU_INFO = Path("/proc/cpuinfo")
 TOTALS = re.compile(r"^(?:totals|summary): (\d+)", re.MULTILINE)
 # Of the loop: 10 % of a part may be less than 1 % of the whole. Each is called from the loop only, and none within another.
 PARTS = {
@@ -63,7 +64,21 @@ def why_not_by_cpu() -> str:
 
 
 def why_not_by_callgrind() -> str:
-    return "" if shutil.which("valgrind") else "valgrind is missing; tools/setup --all installs it"
+    if not shutil.which("valgrind"):
+        return "valgrind is missing; tools/setup --all installs it"
+    if platform.machine() == "x86_64" and not _processor_has("rdtscp"):
+        # Highway reads the clock as it is loaded, and valgrind knows that instruction only where the processor has it.
+        return "valgrind cannot run the program on a processor without rdtscp; take another machine"
+    return ""
+
+
+def _processor_has(flag: str) -> bool:
+    """Also where nobody tells."""
+    try:
+        flags = re.search(r"^flags\s*:(.*)$", CPU_INFO.read_text(), re.MULTILINE)
+    except OSError:
+        return True
+    return flags is None or flag in flags.group(1).split()
 
 
 def callgrind_prefix(folder: Path) -> list[str]:

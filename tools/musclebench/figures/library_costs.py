@@ -22,15 +22,14 @@ def libraries_of(rows: pd.DataFrame) -> list[str]:
     return [name for name in dict.fromkeys(rows["backend"]) if looks.backend(name).is_external or looks.backend(name).has_many_choices]
 
 
-def draw_library_costs(study: pd.DataFrame, folder: Path) -> list[Path]:
-    """A figure a library, of what study.csv says of the first muscle's replay on one thread."""
+def draw_library_costs(study: pd.DataFrame, folder: Path) -> dict[str, list[Path]]:
+    """{library: files of its figure}, of what study.csv says of the first muscle's replay on one thread."""
+    if study.empty:
+        return {}
     rows = study[(study["mode"] == "replay") & (study["threads"] == 1) & study["collision_ms"].notna()]
     rows = rows[rows["scene"] == rows["scene"].iloc[0]] if len(rows) else rows
     style.apply_style()
-    files: list[Path] = []
-    for library in libraries_of(rows):
-        files += _draw(rows, library, folder / f"library_{library}")
-    return files
+    return {library: _draw(rows, library, folder / f"library_{library}") for library in libraries_of(rows)}
 
 
 def _draw(rows: pd.DataFrame, library: str, stem: Path) -> list[Path]:
