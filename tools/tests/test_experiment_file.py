@@ -181,3 +181,29 @@ def test_lines_of_keys_are_found_in_the_table_they_are_in():
     assert lines[("a",)] == 1 and lines[("cases", 0, "name")] == 4 and lines[("cases", 1, "name")] == 9
     assert lines[("cases", 0, "vary", "rule", "none")] == 6 and lines[("cases", 1, "quoted key")] == 8
     assert line_of(lines, ("cases", 1, "absent")) == 7 and line_of(lines, ("no_table", "no_key")) == 1
+
+
+CHOSEN = """title = "A trial"
+
+[[cases]]
+name = "chosen"
+"""
+
+
+def chosen(tmp_path, lines: str) -> list:
+    (tmp_path / "chosen.toml").write_text(CHOSEN + lines)
+    return swept(tmp_path / "chosen.toml", fake_registry.scene("synthetic/iliacus"))
+
+
+def test_a_set_of_choices_goes_by_the_name_that_its_study_gives_it(tmp_path):
+    case, = chosen(tmp_path, 'backends = ["fcl"]\nconfigurations = "as advised"\n')
+    assert dict(case.configuration.parameters) == {"query": "node_collide", "bounding_volume": "OBB", "node_radius_m": 0.002}
+    with pytest.raises(Problem, match=r"configurations: 'as adviced' is no set of choices of fcl; there are: default, .*as advised"):
+        chosen(tmp_path, 'backends = ["fcl"]\nconfigurations = "as adviced"\n')
+
+
+def test_what_is_not_built_is_left_out_where_the_file_says_so(tmp_path):
+    case, = chosen(tmp_path, 'backends = ["sdf", "no_such"]\nif_built = true\n')
+    assert case.configuration.backend == "sdf"
+    with pytest.raises(Problem, match="no_such: not built"):
+        chosen(tmp_path, 'backends = ["sdf", "no_such"]\n')
