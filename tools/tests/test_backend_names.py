@@ -13,6 +13,7 @@ SUFFIXES = {".cpp", ".hpp", ".in", ".txt", ".cmake", ".py", ".sh", ".toml", ".js
 TABLE = Path("backends/CMakeLists.txt")
 # Faults and golden states are made for one backend each; the list of public headers has those of two.
 MADE_FOR_ONE = {Path("tools/mutants.toml"), Path("cmake/public_headers.txt")}
+OUTSIDE = "outside"  # each folder in it is a backend's own, too
 # Where a library's name means the library, not the backend of that name.
 OF_LIBRARY = {Path("bench/experiments/speed.toml"): "embree", Path("bench/micro/embree_benchmark.cpp"): "embree",
               Path("cmake/check_includes.py"): "embree", Path("tools/musclebench/options/report.py"): "vtk",
@@ -37,7 +38,7 @@ def product_files(names: list[str]) -> list[Path]:
     found = []
     for path in files:
         inside = path.relative_to(ROOT)
-        of_backend = inside.parts[0] == "backends" and inside.parts[1] in names
+        of_backend = inside.parts[0] == "backends" and inside.parts[1] in {*names, OUTSIDE}
         skipped = of_backend or "tests" in inside.parts or is_cache(inside) or is_of_the_paper(inside)
         if path.is_file() and path.suffix in SUFFIXES and not skipped and inside not in {TABLE, *MADE_FOR_ONE}:
             found.append(path)
