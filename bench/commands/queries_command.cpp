@@ -152,8 +152,7 @@ void add_queries_command(CLI::App& app, int& exit_code) {
   command->add_option("--steps", options->choice.steps, "Successive steps at each moment")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));
-  command->add_option("--band-mm", options->band_mm, "Largest distance of a point from the surface, mm")
-      ->capture_default_str()
+  command->add_option("--band-mm", options->band_mm, "Largest distance of a point from the surface, mm (default: 10)")
       ->check(positive_and_finite());
   command->add_option("--around", options->choice.around, "Hard points about each bone, as well as those of the motion")
       ->capture_default_str()
