@@ -6,7 +6,7 @@ from pathlib import Path
 
 from musclebench.cases.study_command import end, folders_of
 from musclebench.experiments.caveats import caveats
-from musclebench.experiments.experiment_file import of_project
+from musclebench.experiments.experiment_file import ExperimentFile, of_project
 from musclebench.experiments.running import limits_of, sweep_of
 from musclebench.figures import looks, paper_figures
 from musclebench.options.paper import parse_arguments
@@ -17,7 +17,7 @@ from musclebench.paper.paper_backends import name_of, starts_off_by_rounding
 from musclebench.pictures.in_display import draw_in_display
 from musclebench.program.cli import Problem, run_command
 from musclebench.program.optional_packages import left_out_without
-from musclebench.program.registry import read_registry, whose
+from musclebench.program.registry import Registry, read_registry, whose
 from musclebench.results import run_folder
 from musclebench.results.disturbance import note
 from musclebench.tables import muscle_tables, paper_tables, smoothness_table, table_formats
@@ -58,6 +58,12 @@ def print_report(runs: list[run_folder.Run], made: list[paper_tables.Table]) -> 
     print(paper_figures.caption(runs))
 
 
+def left_out_of(file: ExperimentFile, registry: Registry) -> str:
+    """What the experiment lists and this program lacks, as a line; empty for nothing."""
+    missing = dict.fromkeys(name for group in file.groups if group.if_built for name in group.backends if not registry.has(name))
+    return f"Left out, as this program lacks them: {', '.join(missing)}; tools/setup --all installs the libraries" if missing else ""
+
+
 def run_and_report(options) -> int:
     check_options(options, "paper")
     folders = folders_of(options, "paper")
@@ -78,6 +84,8 @@ def run_and_report(options) -> int:
         is_drawn = False
         problems.append(str(problem))
     print_report(runs, made)
+    if left_out := left_out_of(sweep.file, registry):
+        print(left_out)
     files += page_of("paper", out_dir, options)
     return end("paper", files, problems, out_dir if is_drawn else None)
 

@@ -73,11 +73,10 @@ std::unique_ptr<CollisionBackend> make_cgal_backend(const Parameters& parameters
       {.capabilities = {.has_cache = uses_clearance_cache(parameters)},
        .nodes_a_batch = 64,
        .contact_reach_m = [](const Bone& bone) { return touching_distance_m(bone.surface.mesh); },
-       .build = [starts_warm = parameters.flag("warm_start"), accelerates = parameters.flag("accelerate"),
-                 culls = parameters.flag("cull")](const Bone& bone, int /*threads*/,
-                                                  const ShareReport& /*report*/) -> std::unique_ptr<BoneStructure> {
-         return located_triangles(std::make_unique<const CgalBone>(bone, starts_warm, accelerates), bone, culls);
-       }});
+       .build = build_on_triangles(parameters, [starts_warm = parameters.flag("warm_start"),
+                                                accelerates = parameters.flag("accelerate")](const Bone& bone) {
+         return std::make_unique<const CgalBone>(bone, starts_warm, accelerates);
+       })});
 }
 
 }  // namespace
@@ -95,10 +94,7 @@ BackendEntry cgal_entry() {
                          parameter::flag({.name = "warm_start",
                                           .default_value = true,
                                           .help = "begin with the triangle that was closest to the node last"}),
-                         parameter::flag({.name = "cull",
-                                          .default_value = true,
-                                          .help = "do not ask about nodes outside the bone's box"}),
-                         clearance_cache_parameter()},
+                         cull_parameter(), clearance_cache_parameter()},
           .make = make_cgal_backend,
           .make_muscle_detector = make_cgal_muscle_detector};
 }

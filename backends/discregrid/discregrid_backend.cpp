@@ -105,11 +105,9 @@ std::unique_ptr<CollisionBackend> make_discregrid_backend(const Parameters& para
              const Eigen::AlignedBox3d box = bounding_box(bone.surface.mesh.vertices);
              return (box.min() - shape.lower_m).cwiseMax(shape.upper_m() - box.max()).norm();
            },
-       .build = [settings, culling = parameters.flag("cull") ? BoxCulling::bone_box : BoxCulling::none](
-                    const Bone& bone, int threads, const ShareReport& report) -> std::unique_ptr<BoneStructure> {
-         return std::make_unique<LocatedNodes<DiscregridBone>>(
-             std::make_unique<const DiscregridBone>(bone, settings, threads, report), bone, culling);
-       }});
+       .build = build_located(parameters, [settings](const Bone& bone, int threads, const ShareReport& report) {
+         return std::make_unique<const DiscregridBone>(bone, settings, threads, report);
+       })});
 }
 
 }  // namespace
@@ -122,17 +120,15 @@ BackendEntry discregrid_entry() {
           .implementation = fmt::format("Discregrid's btMiniSDF in Bullet {}.{:02}, zlib; the field is built here",
                                         BT_BULLET_VERSION / 100, BT_BULLET_VERSION % 100),
           .default_response = ResponseKind::project,
-          .parameters =
-              {parameter::integer({.name = "cells",
-                                   .default_value = 64,
-                                   .minimum = 1,
-                                   .maximum = 200,
-                                   .role = ParameterRole::resolution,
-                                   .help = "cells along each axis of the bone's bounding box; Bullet reads no larger "
-                                           "field than of some 220"}),
-               parameter::flag(
-                   {.name = "cull", .default_value = true, .help = "do not ask about nodes outside the bone's box"}),
-               clearance_cache_parameter()},
+          .parameters = {parameter::integer(
+                             {.name = "cells",
+                              .default_value = 64,
+                              .minimum = 1,
+                              .maximum = 200,
+                              .role = ParameterRole::resolution,
+                              .help = "cells along each axis of the bone's bounding box; Bullet reads no larger "
+                                      "field than of some 220"}),
+                         cull_parameter(), clearance_cache_parameter()},
           .make = make_discregrid_backend};
 }
 

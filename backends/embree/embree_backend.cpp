@@ -49,11 +49,10 @@ std::unique_ptr<CollisionBackend> make_embree_backend(const Parameters& paramete
        .nodes_a_batch = 64,
        .contact_reach_m =
            [](const Bone& bone) { return 1e-5 * bounding_box(bone.surface.mesh.vertices).diagonal().norm(); },
-       .build = [settings, starts_warm = parameters.flag("warm_start"), culls = parameters.flag("cull")](
-                    const Bone& bone, int /*threads*/,
-                    const ShareReport& /*report*/) -> std::unique_ptr<BoneStructure> {
-         return located_triangles(std::make_unique<const EmbreeBone>(bone, settings, starts_warm), bone, culls);
-       }});
+       .build =
+           build_on_triangles(parameters, [settings, starts_warm = parameters.flag("warm_start")](const Bone& bone) {
+             return std::make_unique<const EmbreeBone>(bone, settings, starts_warm);
+           })});
 }
 
 }  // namespace
@@ -65,22 +64,20 @@ BackendEntry embree_entry() {
           .help = "closest point by Embree's tree over each bone, side by rays that vote",
           .implementation = "Embree " RTC_VERSION_STRING ", Apache-2.0",
           .default_response = ResponseKind::project,
-          .parameters =
-              {parameter::integer({.name = "rays",
-                                   .default_value = 3,
-                                   .minimum = 1,
-                                   .maximum = 9,
-                                   .help = "rays that vote on the side of a node, odd: more are surer"}),
-               parameter::flag({.name = "robust", .default_value = true, .help = "rays do not slip between triangles"}),
-               parameter::choice({.name = "quality",
-                                  .choices = {"high", "medium"},
-                                  .help = "of the tree: high splits triangles and builds longer"}),
-               parameter::flag({.name = "warm_start",
-                                .default_value = true,
-                                .help = "begin with the triangle that was closest to the node last"}),
-               parameter::flag(
-                   {.name = "cull", .default_value = true, .help = "do not ask about nodes outside the bone's box"}),
-               clearance_cache_parameter()},
+          .parameters = {parameter::integer({.name = "rays",
+                                             .default_value = 3,
+                                             .minimum = 1,
+                                             .maximum = 9,
+                                             .help = "rays that vote on the side of a node, odd: more are surer"}),
+                         parameter::flag(
+                             {.name = "robust", .default_value = true, .help = "rays do not slip between triangles"}),
+                         parameter::choice({.name = "quality",
+                                            .choices = {"high", "medium"},
+                                            .help = "of the tree: high splits triangles and builds longer"}),
+                         parameter::flag({.name = "warm_start",
+                                          .default_value = true,
+                                          .help = "begin with the triangle that was closest to the node last"}),
+                         cull_parameter(), clearance_cache_parameter()},
           .make = make_embree_backend,
           .make_muscle_detector = make_embree_muscle_detector};
 }

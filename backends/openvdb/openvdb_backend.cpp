@@ -164,11 +164,9 @@ std::unique_ptr<CollisionBackend> make_openvdb_backend(const Parameters& paramet
        .cache_needs_closed_bones = true,
        .require_fit = [settings](std::span<const Bone> bones) { require_fitting_voxels(bones, settings); },
        .contact_reach_m = [settings](const Bone& /*bone*/) { return 2 * settings.voxel_size_m; },
-       .build = [settings, culling = parameters.flag("cull") ? BoxCulling::bone_box : BoxCulling::none](
-                    const Bone& bone, int threads, const ShareReport& /*report*/) -> std::unique_ptr<BoneStructure> {
-         return std::make_unique<LocatedNodes<OpenvdbBone>>(
-             std::make_unique<const OpenvdbBone>(bone, settings, threads), bone, culling);
-       }});
+       .build = build_located(parameters, [settings](const Bone& bone, int threads, const ShareReport& /*report*/) {
+         return std::make_unique<const OpenvdbBone>(bone, settings, threads);
+       })});
 }
 
 }  // namespace
@@ -202,10 +200,7 @@ BackendEntry openvdb_entry() {
                                         .maximum = 10,
                                         .help = "how deep inside the bone voxels have distances; deeper nodes do not "
                                                 "find out; 0: everywhere"}),
-                     parameter::flag({.name = "cull",
-                                      .default_value = true,
-                                      .help = "do not ask about nodes outside the bone's box"}),
-                     clearance_cache_parameter()},
+                     cull_parameter(), clearance_cache_parameter()},
       .make = make_openvdb_backend};
 }
 

@@ -69,15 +69,13 @@ class SimbodyBone {
 };
 
 std::unique_ptr<CollisionBackend> make_simbody_backend(const Parameters& parameters) {
-  return make_point_backend({.capabilities = {.has_cache = uses_clearance_cache(parameters)},
-                             .nodes_a_batch = 64,
-                             .contact_reach_m = [](const Bone& bone) { return touching_distance_m(bone.surface.mesh); },
-                             .build = [culling = parameters.flag("cull") ? BoxCulling::bone_box : BoxCulling::none](
-                                          const Bone& bone, int /*threads*/,
-                                          const ShareReport& /*report*/) -> std::unique_ptr<BoneStructure> {
-                               return std::make_unique<LocatedNodes<SimbodyBone>>(
-                                   std::make_unique<const SimbodyBone>(bone), bone, culling);
-                             }});
+  return make_point_backend(
+      {.capabilities = {.has_cache = uses_clearance_cache(parameters)},
+       .nodes_a_batch = 64,
+       .contact_reach_m = [](const Bone& bone) { return touching_distance_m(bone.surface.mesh); },
+       .build = build_located(parameters, [](const Bone& bone, int /*threads*/, const ShareReport& /*report*/) {
+         return std::make_unique<const SimbodyBone>(bone);
+       })});
 }
 
 }  // namespace
@@ -88,10 +86,7 @@ BackendEntry simbody_entry() {
           .help = "nearest point by the contact mesh of Simbody, which OpenSim has under it",
           .implementation = fmt::format("Simbody {}, Apache-2.0", SimbodyMesh::version()),
           .default_response = ResponseKind::project,
-          .parameters = {parameter::flag({.name = "cull",
-                                          .default_value = true,
-                                          .help = "do not ask about nodes outside the bone's box"}),
-                         clearance_cache_parameter()},
+          .parameters = {cull_parameter(), clearance_cache_parameter()},
           .make = make_simbody_backend};
 }
 

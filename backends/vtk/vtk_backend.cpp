@@ -130,10 +130,9 @@ std::unique_ptr<CollisionBackend> make_vtk_backend(const Parameters& parameters)
       {.capabilities = {.has_cache = uses_clearance_cache(parameters)},
        .nodes_a_batch = 64,
        .contact_reach_m = [](const Bone& bone) { return touching_distance_m(bone.surface.mesh); },
-       .build = [culling = parameters.flag("cull") ? BoxCulling::bone_box : BoxCulling::none](
-                    const Bone& bone, int threads, const ShareReport& /*report*/) -> std::unique_ptr<BoneStructure> {
-         return std::make_unique<LocatedNodes<VtkBone>>(std::make_unique<const VtkBone>(bone, threads), bone, culling);
-       }});
+       .build = build_located(parameters, [](const Bone& bone, int threads, const ShareReport& /*report*/) {
+         return std::make_unique<const VtkBone>(bone, threads);
+       })});
 }
 
 }  // namespace
@@ -144,10 +143,7 @@ BackendEntry vtk_entry() {
           .help = "signed distance by VTK's vtkImplicitPolyDataDistance, as 3D Slicer calls it",
           .implementation = "VTK " VTK_VERSION ", BSD-3-Clause",
           .default_response = ResponseKind::project,
-          .parameters = {parameter::flag({.name = "cull",
-                                          .default_value = true,
-                                          .help = "do not ask about nodes outside the bone's box"}),
-                         clearance_cache_parameter()},
+          .parameters = {cull_parameter(), clearance_cache_parameter()},
           .make = make_vtk_backend};
 }
 

@@ -6,12 +6,14 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "bench/cases/query_set.hpp"
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
 #include "bench/commands/recorded_scene.hpp"
 #include "bench/process/progress.hpp"
 #include "bench/process/signals.hpp"
+#include "bench/queries/check_queries.hpp"
+#include "bench/queries/make_queries.hpp"
+#include "bench/queries/query_set_file.hpp"
 #include "core/base/input_error.hpp"
 #include "core/recording/recording_reader.hpp"
 
@@ -138,14 +140,11 @@ void add_queries_command(CLI::App& app, int& exit_code) {
       "  musclebench queries --check iliacus.queries --answers mine.f64\n"
       "datasets/queries/README.md describes the file and has readers for C++ and Python.\n"
       "Exit codes: 0 done, 1 an exact backend differs from the set, 2 bad input.");
-  command->add_option("recording", options->recorded.recording, "File that `musclebench record` wrote");
+  add_recorded_scene_options(*command, options->recorded);
   command->add_option("--out", options->out, "Query set to write");
   command->add_option("--check", options->check, "Query set to check with every exact backend of this build");
   command->add_option("--answers", options->answers,
                       "Signed distances to judge, with --check: one little-endian double a query, negative inside");
-  command->add_option("--scene", options->recorded.scene,
-                      "Name or file of the recorded scene (default: the name or path in the recording)");
-  command->add_option("--data", options->recorded.data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
   command->add_option("--moments", options->choice.moments, "Moments, evenly over the motion")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));

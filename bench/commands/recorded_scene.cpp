@@ -40,6 +40,13 @@ void require_same_scene(const Scene& scene, const RecordingHeader& header, const
 
 }  // namespace
 
+CLI::Option* add_recorded_scene_options(CLI::App& command, RecordedSceneOptions& options) {
+  command.add_option("--scene", options.scene,
+                     "Name or file of the recorded scene (default: the name or path in the recording)");
+  command.add_option("--data", options.data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
+  return command.add_option("recording", options.recording, "File that `musclebench record` wrote");
+}
+
 Scene load_recorded_scene(const RecordingHeader& header, const RecordedSceneOptions& options) {
   Scene scene = scene_of(header, options);
   require_same_scene(scene, header, options.recording);

@@ -20,10 +20,8 @@ namespace musclebench {
 namespace {
 
 struct ReplayOptions {
-  std::string recording;
+  RecordedSceneOptions recorded;
   BackendOptions backend;
-  std::string scene;  ///< where it is now; empty: where it was
-  std::string data;
   std::string out;
   double band_mm = 10;
   int stride = 1;
@@ -124,7 +122,7 @@ ReplayResult replay_and_write(const ReplayCase& replay, RecordingReader& recordi
     result = replay_case(replay, recording, [&](int done) { progress.show(done); });
   }
   const HeldSignals held;
-  write_replay(out, replay, result, recording.header(), options.recording);
+  write_replay(out, replay, result, recording.header(), options.recorded.recording);
   until_written.reset();
   return result;
 }
@@ -132,13 +130,13 @@ ReplayResult replay_and_write(const ReplayCase& replay, RecordingReader& recordi
 int replay(const ReplayOptions& options) {
   const BackendEntry& backend = find_backend(options.backend.backend);
   const Parameters parameters = backend_parameters(backend, options.backend.parameters);
-  RecordingReader recording(options.recording);
-  const Scene scene = load_recorded_scene(recording.header(), {options.recording, options.scene, options.data});
+  RecordingReader recording(options.recorded.recording);
+  const Scene scene = load_recorded_scene(recording.header(), options.recorded);
 
   ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
   if (options.bones_only) colliders.of_muscle_pairs.clear();
   if (!colliders.of_muscle_pairs.empty() && !recording.header().muscle_contact) {
-    throw InputError(options.recording,
+    throw InputError(options.recorded.recording,
                      "does not hold the input of contact between muscles; record it again, or "
                      "replay contact with bones alone (--bones-only)");
   }
@@ -181,13 +179,10 @@ void add_replay_command(CLI::App& app, int& exit_code) {
       "Example: musclebench replay iliacus.steps --backend voxel --param cells=128\n"
       "Results: run.json and frames.csv in the folder of --out. reports/reading_results.md explains the columns.\n"
       "Exit codes: 0 done, 2 bad input, 4 the backend answers differently each time.");
-  command->add_option("recording", options->recording, "File that `musclebench record` wrote")->required();
+  add_recorded_scene_options(*command, options->recorded)->required();
   add_backend_options(*command, options->backend);
   add_response_option(*command, options->backend);
   add_collider_option(*command, options->backend);
-  command->add_option("--scene", options->scene,
-                      "Name or file of the recorded scene (default: the name or path in the recording)");
-  command->add_option("--data", options->data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
   command
       ->add_option("--stride", options->stride, "Replay every N-th frame, and the last frame (default: 1, every frame)")
       ->check(CLI::Range(1, 10000000));

@@ -9,8 +9,9 @@
 
 #include <fmt/format.h>
 
-#include "bench/cases/query_set.hpp"
 #include "bench/cases/verification.hpp"
+#include "bench/queries/make_queries.hpp"
+#include "bench/queries/query_set_file.hpp"
 #include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
@@ -58,7 +59,8 @@ std::vector<Contact> AskedBone::contacts(std::span<const Vec3> points, const Rig
   std::vector<Contact> found;
   m_backend->update(std::array{pose}, positions);
   m_backend->detect(positions, m_nodes, found);
-  if (!m_wrong_prefix.empty()) write_wrong(points, found);
+  // A file has the bone at rest; what a pose rounds would be no fault of the library.
+  if (!m_wrong_prefix.empty() && std::ranges::equal(points, positions)) write_wrong(points, found);
   return found;
 }
 

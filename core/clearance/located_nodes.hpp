@@ -6,10 +6,12 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "core/clearance/bone_structure.hpp"
+#include "core/contact/backend_entry.hpp"
 #include "core/contact/bone.hpp"
 #include "core/mesh/mesh_size.hpp"
 
@@ -89,5 +91,17 @@ class LocatedNodes final : public BoneStructure {
   Eigen::AlignedBox3d m_box;
   std::vector<int> m_near;  ///< by node; empty without a clearance cache
 };
+
+/// PointMethod::build of a backend over a PointLocator that has `cull_parameter()`. `make(bone, threads, report)`
+/// returns the locator over a bone: std::unique_ptr<const Locator>.
+template <typename Make>
+auto build_located(const Parameters& parameters, Make make) {
+  const BoxCulling culling = parameters.flag("cull") ? BoxCulling::bone_box : BoxCulling::none;
+  return [culling, make](const Bone& bone, int threads, const ShareReport& report) -> std::unique_ptr<BoneStructure> {
+    auto locator = make(bone, threads, report);
+    using Locator = std::remove_const_t<typename decltype(locator)::element_type>;
+    return std::make_unique<LocatedNodes<Locator>>(std::move(locator), bone, culling);
+  };
+}
 
 }  // namespace musclebench

@@ -7,10 +7,12 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <type_traits>
 #include <utility>
 
 #include "core/clearance/cached_point_query.hpp"
 #include "core/clearance/query_surface.hpp"
+#include "core/contact/backend_entry.hpp"
 #include "core/contact/bone.hpp"
 #include "core/contact/collision_backend.hpp"
 #include "core/distance/triangle_distance.hpp"
@@ -122,7 +124,7 @@ class LocatedTriangles {
   void list_candidates(const Vec3& point, double bound_m, CandidateList& list) const {
     list.point = point;
     list.reach_m = bound_m + list_skin * m_near_m;
-    m_library->list_within(point, list.reach_m, list.triangles);
+    m_library->list_within(point, list.reach_m * (1 + length_rounding), list.triangles);
     if (list.triangles.has_overflowed()) list.clear();
   }
   void begin_candidate_search(const Vec3& point, const CandidateList& /*list*/, CandidateSearch& search) const {
@@ -148,6 +150,8 @@ class LocatedTriangles {
  private:
   /// The squares of larger coordinates may overflow in a library that computes in single precision.
   static constexpr double farthest_m = 1e15;
+  /// More than the relative rounding errors of the lengths that are compared with a list's reach.
+  static constexpr double length_rounding = 1e-9;
   /// Skin of a candidate list, in mean triangle sizes.
   static constexpr double list_skin = 0.75;
 
@@ -167,11 +171,17 @@ class LocatedTriangles {
   Eigen::AlignedBox3d m_box;
 };
 
-/// The structure of a backend over a TriangleLibrary. The bone outlives it.
-template <TriangleLibrary Library>
-std::unique_ptr<BoneStructure> located_triangles(std::unique_ptr<const Library> library, const Bone& bone, bool culls) {
-  using Surface = LocatedTriangles<Library>;
-  return std::make_unique<CachedPointQuery<Surface>>(Surface(std::move(library), bone, culls));
+/// PointMethod::build of a backend over a TriangleLibrary that has `cull_parameter()`. `make(bone)` returns the
+/// library's structure over a bone: std::unique_ptr<const Library>.
+template <typename Make>
+auto build_on_triangles(const Parameters& parameters, Make make) {
+  const bool culls = parameters.flag("cull");
+  return [culls, make](const Bone& bone, int /*threads*/,
+                       const ShareReport& /*report*/) -> std::unique_ptr<BoneStructure> {
+    auto library = make(bone);
+    using Surface = LocatedTriangles<std::remove_const_t<typename decltype(library)::element_type>>;
+    return std::make_unique<CachedPointQuery<Surface>>(Surface(std::move(library), bone, culls));
+  };
 }
 
 }  // namespace musclebench

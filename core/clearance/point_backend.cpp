@@ -251,4 +251,9 @@ std::unique_ptr<CollisionBackend> make_point_backend(PointMethod method) {
   return std::make_unique<PointBackend>(std::move(method));
 }
 
+ParameterSpec cull_parameter() {
+  return parameter::flag(
+      {.name = "cull", .default_value = true, .help = "do not ask about nodes outside the bone's box"});
+}
+
 }  // namespace musclebench

@@ -40,6 +40,9 @@ struct PointMethod {
       build_part = nullptr;
 };
 
+/// The flag `cull` of backends over other libraries: whether nodes outside the bone's box are told without the library.
+ParameterSpec cull_parameter();
+
 /// Makes a complete backend from a PointMethod. It loops over bones and nodes, distributes them to threads, keeps the
 /// clearance cache and orders the contacts. The contacts do not depend on the number of threads. A frame allocates no
 /// memory.

@@ -72,6 +72,13 @@ def test_tables_say_whose_the_backends_are(in_process):
     assert "fcl: library of fcl" in text
 
 
+def test_what_the_program_lacks_is_left_out_and_said(in_process):
+    """The stand-in has the backends of every build and no library."""
+    code, text, errors, calls = in_process()
+    assert code == 0 and not [call for call in calls if "discregrid" in call], errors
+    assert "Left out, as this program lacks them: discregrid; tools/setup --all" in text
+
+
 def test_every_case_runs_once_on_a_core_of_its_own(finished):
     _, log, done = finished
     calls = [line.split() for line in log.read_text().splitlines()]

@@ -143,16 +143,13 @@ class CoalBone {
 
 std::unique_ptr<CollisionBackend> make_coal_backend(const Parameters& parameters) {
   const double node_radius_m = parameters.word("query") == "collide" ? parameters.number("node_radius_m") : 0;
-  return make_point_backend(
-      {.capabilities = {.has_cache = uses_clearance_cache(parameters)},
-       .nodes_a_batch = 16,
-       .contact_reach_m = [](const Bone& bone) { return touching_distance_m(bone.surface.mesh); },
-       .build = [node_radius_m, culling = parameters.flag("cull") ? BoxCulling::bone_box : BoxCulling::none](
-                    const Bone& bone, int /*threads*/,
-                    const ShareReport& /*report*/) -> std::unique_ptr<BoneStructure> {
-         return std::make_unique<LocatedNodes<CoalBone>>(std::make_unique<const CoalBone>(bone, node_radius_m), bone,
-                                                         culling);
-       }});
+  return make_point_backend({.capabilities = {.has_cache = uses_clearance_cache(parameters)},
+                             .nodes_a_batch = 16,
+                             .contact_reach_m = [](const Bone& bone) { return touching_distance_m(bone.surface.mesh); },
+                             .build = build_located(parameters, [node_radius_m](const Bone& bone, int /*threads*/,
+                                                                                const ShareReport& /*report*/) {
+                               return std::make_unique<const CoalBone>(bone, node_radius_m);
+                             })});
 }
 
 }  // namespace
@@ -174,10 +171,7 @@ BackendEntry coal_entry() {
                                             .minimum = 1e-9,
                                             .maximum = 1,
                                             .help = "radius of the spheres of collide"}),
-                         parameter::flag({.name = "cull",
-                                          .default_value = true,
-                                          .help = "do not ask about nodes outside the bone's box"}),
-                         clearance_cache_parameter()},
+                         cull_parameter(), clearance_cache_parameter()},
           .make = make_coal_backend};
 }
 

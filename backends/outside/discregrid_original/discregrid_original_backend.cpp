@@ -143,11 +143,9 @@ std::unique_ptr<CollisionBackend> make_discregrid_original_backend(const Paramet
              const Eigen::AlignedBox3d box = bounding_box(bone.surface.mesh.vertices);
              return (box.min() - shape.lower_m).cwiseMax(shape.upper_m() - box.max()).norm();
            },
-       .build = [settings, culling = parameters.flag("cull") ? BoxCulling::bone_box : BoxCulling::none](
-                    const Bone& bone, int threads, const ShareReport& /*report*/) -> std::unique_ptr<BoneStructure> {
-         return std::make_unique<LocatedNodes<DiscregridOriginalBone>>(
-             std::make_unique<const DiscregridOriginalBone>(bone, settings, threads), bone, culling);
-       }});
+       .build = build_located(parameters, [settings](const Bone& bone, int threads, const ShareReport& /*report*/) {
+         return std::make_unique<const DiscregridOriginalBone>(bone, settings, threads);
+       })});
 }
 
 }  // namespace
@@ -165,10 +163,7 @@ BackendEntry discregrid_original_entry() {
                                              .maximum = 256,
                                              .role = ParameterRole::resolution,
                                              .help = "cells along each axis of the bone's bounding box"}),
-                         parameter::flag({.name = "cull",
-                                          .default_value = true,
-                                          .help = "do not ask about nodes outside the bone's box"}),
-                         clearance_cache_parameter()},
+                         cull_parameter(), clearance_cache_parameter()},
           .make = make_discregrid_original_backend};
 }
 

@@ -123,13 +123,11 @@ std::unique_ptr<CollisionBackend> make_fcpw_backend(const Parameters& parameters
        .nodes_a_batch = 64,
        .contact_reach_m =
            [](const Bone& bone) { return 1e-5 * bounding_box(bone.surface.mesh.vertices).diagonal().norm(); },
-       .build = [counts_hits = parameters.word("side") == "contains", starts_warm = parameters.flag("warm_start"),
-                 culling = parameters.flag("cull") ? BoxCulling::bone_box : BoxCulling::none](
-                    const Bone& bone, int /*threads*/,
-                    const ShareReport& /*report*/) -> std::unique_ptr<BoneStructure> {
-         return std::make_unique<LocatedNodes<FcpwBone>>(
-             std::make_unique<const FcpwBone>(bone, counts_hits, starts_warm), bone, culling);
-       }});
+       .build = build_located(parameters, [counts_hits = parameters.word("side") == "contains",
+                                           starts_warm = parameters.flag("warm_start")](
+                                              const Bone& bone, int /*threads*/, const ShareReport& /*report*/) {
+         return std::make_unique<const FcpwBone>(bone, counts_hits, starts_warm);
+       })});
 }
 
 }  // namespace
@@ -149,10 +147,7 @@ BackendEntry fcpw_entry() {
                          parameter::flag({.name = "warm_start",
                                           .default_value = true,
                                           .help = "search no farther than the triangle that was closest last"}),
-                         parameter::flag({.name = "cull",
-                                          .default_value = true,
-                                          .help = "do not ask about nodes outside the bone's box"}),
-                         clearance_cache_parameter()},
+                         cull_parameter(), clearance_cache_parameter()},
           .make = make_fcpw_backend};
 }
 

@@ -11,10 +11,11 @@
 #include <hwy/targets.h>
 
 #include "backends/registry.hpp"
-#include "bench/cases/query_set.hpp"
 #include "bench/cases/scene_source.hpp"
 #include "bench/hard/hard_case.hpp"
 #include "bench/hard/tests/broken_backend.hpp"
+#include "bench/queries/check_queries.hpp"
+#include "bench/queries/query_set_file.hpp"
 
 // A case that can't fail tests nothing: each is seen red once.
 namespace musclebench {

@@ -70,9 +70,9 @@ class LocatedTrianglesOfABall : public testing::Test {
     const Bone ball{"ball", repair_mesh(make_sphere(0.03, 4), "ball")};
     const auto backend = make_point_backend(
         {.capabilities = {.has_cache = has_cache},
-         .build = [&](const Bone& bone, int /*threads*/, const ShareReport& /*report*/) {
-           return located_triangles(std::make_unique<const SlowLibrary>(bone, counts, list_share), bone, true);
-         }});
+         .build = build_on_triangles(Parameters({cull_parameter()}, {}, "slow"), [&](const Bone& bone) {
+           return std::make_unique<const SlowLibrary>(bone, counts, list_share);
+         })});
     std::mt19937 random(7);
     std::normal_distribution<double> normal;
     std::vector<Vec3> nodes;

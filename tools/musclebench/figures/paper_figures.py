@@ -73,7 +73,7 @@ def _draw_times(cases, muscle: str, runs: dict[str, Run], published: Published, 
     figure.suptitle(f"Fig. 7  Collision time, {style.muscle_label(muscle)}", x=0.02, ha="left", y=0.99)
     _label_ends(axes, labels)
     _angle_axis(axes, next(iter(shown.values())))
-    crosses = f"; crosses: {waiting} frames in which the process waited for the processor" if waiting else ""
+    crosses = f"; crosses: {waiting} frame{'s' if waiting > 1 else ''} in which the process waited for the processor" if waiting else ""
     _footnote(figure, list(shown.values()), crosses)
     rows = _rows(shown, ["update_ns", "detect_ns", "respond_ns", "collision_ns"])
     return _save(figure, rows, folder / "fig_7_collision_time")

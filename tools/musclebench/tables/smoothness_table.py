@@ -53,10 +53,13 @@ def smoothness_table(runs: list[Run]) -> Table | None:
 
 
 def _exact(run: Run, floor: Run | None) -> Exact | None:
-    shots = read_snapshots(run)
-    if len(shots) < 2:
+    kept = run.record.get("snapshots", [])
+    if len(kept) < 2:
         return None
-    shape = _farthest(shots)
+    farthest = max(kept, key=lambda entry: abs(entry["angle_deg"] - kept[0]["angle_deg"]))
+    shape = _at(run, farthest["frame"])
+    if shape is None:
+        return None
     bones_m = np.vstack([bone.vertices_m @ rotation.T + translation_m
                          for bone, (rotation, translation_m) in zip(read_bones(run).values(), shape.poses)])
     nodes = free_nodes_near(shape.mesh, bones_m, NEAR_M)
@@ -66,21 +69,19 @@ def _exact(run: Run, floor: Run | None) -> Exact | None:
     return Exact(shape, nodes, roughness, floor_percent)
 
 
-def _farthest(shots: list[Snapshot]) -> Snapshot:
-    return max(shots, key=lambda shot: abs(shot.angle_deg - shots[0].angle_deg))
-
-
 def _at(run: Run, frame: int) -> Snapshot | None:
-    return next((shot for shot in read_snapshots(run) if shot.frame == frame), None)
+    """A run that did not end well has no such shape, or one that is no shape."""
+    entries = [entry for entry in run.record.get("snapshots", []) if entry["frame"] == frame]
+    return next(iter(read_snapshots(run, entries)), None)
 
 
 def _rows(run: Run, exact: Exact) -> list[dict]:
-    shots = read_snapshots(run)
-    shape = next((shot for shot in shots if shot.frame == exact.shape.frame), None)
-    if shape is None or len(shape.mesh.vertices_m) != len(exact.nodes):
+    kept = run.record.get("snapshots", [])
+    rest, shape = _at(run, kept[0]["frame"]) if kept else None, _at(run, exact.shape.frame)
+    if rest is None or shape is None or len(shape.mesh.vertices_m) != len(exact.nodes):
         return []
     roughness = roughness_deg(shape.mesh, exact.nodes)
     return [{"muscle": run.muscle, "backend": name_of(run), "angle_deg": shape.angle_deg, "nodes": np.count_nonzero(exact.nodes),
-             "rest_deg": roughness_deg(shots[0].mesh, exact.nodes), "roughness_deg": roughness,
+             "rest_deg": roughness_deg(rest.mesh, exact.nodes), "roughness_deg": roughness,
              "over_exact": roughness / exact.roughness_deg, "floor_percent": exact.floor_percent,
              "rms_mm": 1e3 * rms_distance_m(shape.mesh, exact.shape.mesh)}]
