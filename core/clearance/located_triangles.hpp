@@ -47,7 +47,8 @@ class ListedTriangles {
 /// triangles are those of the bone's mesh. All operations are const and safe from several threads.
 ///
 /// - `closest(point, near)`: index of the closest triangle. `near` is one that may be near, or -1; it must change no
-///   answer. Of several triangles at the same distance any will do.
+///   answer. Of several triangles at the same distance a list takes the smallest index; where this takes another, the
+///   last digits of a contact may depend on the cache.
 /// - `list_within(point, radius_m, list)`: adds every triangle closer to `point` than `radius_m`. It may add more.
 /// - `is_inside(point)`: the side of a point that is not on the surface.
 /// - `answer_bound()`: see BoneStructure.

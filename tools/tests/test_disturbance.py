@@ -106,7 +106,7 @@ def test_fig_7_leaves_waiting_out_of_its_lines(fake_raw, tmp_path):
     frames.to_csv(folder / "frames.csv", index=False)
     files = paper_figures.draw_figures(run_folder.read_runs(fake_raw), published.read_published(), tmp_path)
     drawing = next(path for path in files if path.name == "fig_7_collision_time.svg").read_text()
-    assert "crosses: 1 frames in which the process waited" in " ".join(re.sub("<[^>]+>", " ", drawing).split())
+    assert "crosses: 1 frame in which the process waited" in " ".join(re.sub("<[^>]+>", " ", drawing).split())
 
 
 def test_the_study_marks_busy_cases_and_says_so(tmp_path):
