@@ -29,7 +29,10 @@ BackendEntry bvh_entry() {
             const auto surface = std::make_shared<const ExactSurface>(bone, threads);
             return [surface](const Vec3& point) { return surface->signed_distance_m(point); };
           },
-          .make_muscle_detector = make_bvh_muscle_detector};
+          .make_muscle_detector = make_bvh_muscle_detector,
+          .make_surface_queries = [](const Parameters& /*parameters*/) -> MakeSurfaceQueries {
+            return [](const Bone& bone, int /*threads*/) { return exact_surface_queries(bone); };
+          }};
 }
 
 }  // namespace musclebench

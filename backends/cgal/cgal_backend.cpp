@@ -68,15 +68,17 @@ class CgalBone {
   bool m_accelerates;
 };
 
+auto bone_maker(const Parameters& parameters) {
+  return [starts_warm = parameters.flag("warm_start"), accelerates = parameters.flag("accelerate")](const Bone& bone) {
+    return std::make_unique<const CgalBone>(bone, starts_warm, accelerates);
+  };
+}
+
 std::unique_ptr<CollisionBackend> make_cgal_backend(const Parameters& parameters) {
-  return make_point_backend(
-      {.capabilities = {.has_cache = uses_clearance_cache(parameters)},
-       .nodes_a_batch = 64,
-       .contact_reach_m = [](const Bone& bone) { return touching_distance_m(bone.surface.mesh); },
-       .build = build_on_triangles(parameters, [starts_warm = parameters.flag("warm_start"),
-                                                accelerates = parameters.flag("accelerate")](const Bone& bone) {
-         return std::make_unique<const CgalBone>(bone, starts_warm, accelerates);
-       })});
+  return make_point_backend({.capabilities = {.has_cache = uses_clearance_cache(parameters)},
+                             .nodes_a_batch = 64,
+                             .contact_reach_m = [](const Bone& bone) { return touching_distance_m(bone.surface.mesh); },
+                             .build = build_on_triangles(parameters, bone_maker(parameters))});
 }
 
 }  // namespace
@@ -96,7 +98,10 @@ BackendEntry cgal_entry() {
                                           .help = "begin with the triangle that was closest to the node last"}),
                          cull_parameter(), clearance_cache_parameter()},
           .make = make_cgal_backend,
-          .make_muscle_detector = make_cgal_muscle_detector};
+          .make_muscle_detector = make_cgal_muscle_detector,
+          .make_surface_queries = [](const Parameters& parameters) {
+            return queries_on_triangles(bone_maker(parameters));
+          }};
 }
 
 }  // namespace musclebench

@@ -1,6 +1,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include "backends/embree/embree_scene.hpp"
 #include "backends/embree/muscle_detector.hpp"
@@ -27,6 +28,9 @@ class EmbreeBone {
     m_scene.list_within(point, radius_m, list);
   }
   [[nodiscard]] bool is_inside(const Vec3& point) const { return m_scene.is_inside(point); }
+  [[nodiscard]] std::optional<double> way_out_m(const Vec3& from, const Vec3& direction, double length_m) const {
+    return m_scene.way_out_m(from, direction, length_m);
+  }
   /// Closest points are exact; the side of a point that single precision moves to the other one is not.
   [[nodiscard]] AnswerBound answer_bound() const {
     const double side_m = m_touching_m + m_scene.rounding_m();
@@ -40,19 +44,22 @@ class EmbreeBone {
   bool m_starts_warm;
 };
 
-std::unique_ptr<CollisionBackend> make_embree_backend(const Parameters& parameters) {
+auto bone_maker(const Parameters& parameters) {
   const EmbreeSettings settings{.rays = static_cast<int>(parameters.integer("rays")),
                                 .robust = parameters.flag("robust"),
                                 .high_quality = parameters.word("quality") == "high"};
+  return [settings, starts_warm = parameters.flag("warm_start")](const Bone& bone) {
+    return std::make_unique<const EmbreeBone>(bone, settings, starts_warm);
+  };
+}
+
+std::unique_ptr<CollisionBackend> make_embree_backend(const Parameters& parameters) {
   return make_point_backend(
       {.capabilities = {.has_cache = uses_clearance_cache(parameters), .steady_memory = true},
        .nodes_a_batch = 64,
        .contact_reach_m =
            [](const Bone& bone) { return 1e-5 * bounding_box(bone.surface.mesh.vertices).diagonal().norm(); },
-       .build =
-           build_on_triangles(parameters, [settings, starts_warm = parameters.flag("warm_start")](const Bone& bone) {
-             return std::make_unique<const EmbreeBone>(bone, settings, starts_warm);
-           })});
+       .build = build_on_triangles(parameters, bone_maker(parameters))});
 }
 
 }  // namespace
@@ -79,7 +86,10 @@ BackendEntry embree_entry() {
                                           .help = "begin with the triangle that was closest to the node last"}),
                          cull_parameter(), clearance_cache_parameter()},
           .make = make_embree_backend,
-          .make_muscle_detector = make_embree_muscle_detector};
+          .make_muscle_detector = make_embree_muscle_detector,
+          .make_surface_queries = [](const Parameters& parameters) {
+            return queries_on_triangles(bone_maker(parameters));
+          }};
 }
 
 }  // namespace musclebench

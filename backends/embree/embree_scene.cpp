@@ -95,6 +95,13 @@ void count_crossing(const RTCFilterFunctionNArguments* arguments) {
   ray.windings += along->dir_x * hit->Ng_x + along->dir_y * hit->Ng_y + along->dir_z * hit->Ng_z > 0 ? 1 : -1;
 }
 
+RTCRayHit ray_along(const std::array<float, 3>& from, const std::array<float, 3>& direction, float length) {
+  RTCRayHit ray{};
+  ray.ray = {from[0], from[1], from[2], 0, direction[0], direction[1], direction[2], 0, length, ~0U, 0, 0};
+  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  return ray;
+}
+
 bool count_memory(void* counter, std::ptrdiff_t bytes, bool /*after*/) {
   *static_cast<std::atomic<std::ptrdiff_t>*>(counter) += bytes;
   return true;
@@ -198,15 +205,30 @@ bool EmbreeScene::is_inside(const Vec3& point) const {
   return votes > 0;
 }
 
+std::optional<double> EmbreeScene::way_out_m(const Vec3& from, const Vec3& direction, double length_m) const {
+  const Vec3 local = from - m_middle;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  const std::array<float, 3> start = {static_cast<float>(local.x()), static_cast<float>(local.y()),
+                                      static_cast<float>(local.z())};
+  const std::array<float, 3> along = {static_cast<float>(direction.x()), static_cast<float>(direction.y()),
+                                      static_cast<float>(direction.z())};
+  RTCRayHit ray = ray_along(start, along, static_cast<float>(length_m + m_rounding_m));
+  rtcIntersect1(m_scene.get(), &context, &ray);
+  if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
+  const auto [a, b, c] = corners(static_cast<int>(ray.hit.primID));
+  const Vec3 normal = (b - a).cross(c - a);
+  const double rises = normal.dot(direction);
+  if (!(rises > 0)) return std::nullopt;
+  const double way_m = normal.dot(a - from) / rises;
+  return way_m <= length_m ? std::optional(std::max(way_m, 0.0)) : std::nullopt;
+}
+
 int EmbreeScene::windings_along(const std::array<float, 3>& from, const std::array<float, 3>& direction) const {
   CountingRay counting;
   rtcInitIntersectContext(&counting.context);
   counting.context.filter = count_crossing;
-  RTCRayHit ray{};
-  ray.ray = {
-      from[0], from[1], from[2], 0, direction[0], direction[1], direction[2], 0, std::numeric_limits<float>::infinity(),
-      ~0U,     0,       0};
-  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  RTCRayHit ray = ray_along(from, direction, std::numeric_limits<float>::infinity());
   rtcIntersect1(m_scene.get(), &counting.context, &ray);
   return counting.windings;
 }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <embree3/rtcore.h>
 #include <memory>
+#include <optional>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -49,6 +50,10 @@ class EmbreeScene {
   void list_within(const Vec3& point, double radius_m, ListedTriangles& list) const;
   /// Whether most rays from `point` leave the surface more often than they enter it.
   [[nodiscard]] bool is_inside(const Vec3& point) const;
+  /// How far a point inside goes along `direction` (unit) until it leaves the surface; nothing if that is farther than
+  /// `length_m`, or if it enters first. Embree finds the triangle; where its plane is met is computed in double
+  /// precision.
+  [[nodiscard]] std::optional<double> way_out_m(const Vec3& from, const Vec3& direction, double length_m) const;
   [[nodiscard]] std::array<Vec3, 3> corners(int triangle) const;
   /// How far single precision may move a point or a triangle, m.
   [[nodiscard]] double rounding_m() const { return m_rounding_m; }

@@ -1,4 +1,5 @@
 #include "backends/sdf/field_export.hpp"
+#include "backends/sdf/field_queries.hpp"
 #include "backends/sdf/sdf_backend.hpp"
 #include "core/clearance/clearance_cache.hpp"
 
@@ -62,6 +63,7 @@ BackendEntry sdf_entry() {
           .default_response = ResponseKind::project,
           .parameters = sdf_parameters(),
           .make = make_sdf_backend,
+          .make_surface_queries = make_field_queries,
           .structure_export = field_export()};
 }
 

@@ -85,7 +85,7 @@ AdviceInput run_exactly(const Scene& scene, double seconds, const std::function<
   const BuiltBackend built = build_backend(exact);
   const PreparedSimulation prepared =
       prepare_simulation(exact.scene, *built.backend, exact.responses, exact.threads,
-                         make_muscle_detectors(scene, choose_collider_backends({}, scene, backend), threads));
+                         make_contact_methods(scene, choose_collider_backends({}, scene, backend), threads));
   const Nanoseconds start_ns = process_cpu_ns();
   AdviceInput input{std::make_unique<KeptFrames>(static_cast<int>(scene.muscle_mesh.vertices.size()),
                                                  prepared.simulation->free_nodes())};

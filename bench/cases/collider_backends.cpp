@@ -16,17 +16,24 @@ namespace musclebench {
 namespace {
 
 constexpr const char* all_muscles = "muscles";
+constexpr const char* all_faces = "faces";
+
+template <typename Maker>
+std::vector<std::string> backends_that_have(Maker BackendEntry::*maker) {
+  std::vector<std::string> able;
+  for (const BackendEntry& entry : backend_registry()) {
+    if (entry.*maker) able.push_back(entry.name);
+  }
+  return able;
+}
 
 void require_follows_muscles(const BackendEntry& entry, const std::string& location) {
   if (entry.make_muscle_detector) {
     return;
   }
-  std::vector<std::string> able;
-  for (const BackendEntry& other : backend_registry()) {
-    if (other.make_muscle_detector) able.push_back(other.name);
-  }
-  throw InputError(location, fmt::format("'{}' can't follow a surface that deforms; between muscles take {}",
-                                         entry.name, fmt::join(able, ", ")));
+  throw InputError(location,
+                   fmt::format("'{}' can't follow a surface that deforms; between muscles take {}", entry.name,
+                               fmt::join(backends_that_have(&BackendEntry::make_muscle_detector), ", ")));
 }
 
 const BackendEntry& default_muscle_backend() {
@@ -67,11 +74,16 @@ std::string name_of(const Scene& scene, int muscle) {
   return scene.muscles[static_cast<std::size_t>(muscle)].body.name;
 }
 
+bool has_face_contact(const Scene& scene) {
+  return std::ranges::find(scene.effects, "surface_contact", &SceneEffect::name) != scene.effects.end();
+}
+
 /// All that `--for` may name.
 std::vector<std::string> known_colliders(const Scene& scene) {
   std::vector<std::string> known;
   for (const Bone& bone : scene.bones) known.push_back(bone.name);
   if (!scene.muscle_pairs.empty()) known.emplace_back(all_muscles);
+  if (has_face_contact(scene)) known.emplace_back(all_faces);
   for (const Muscle& muscle : scene.muscles) {
     for (const Bone& bone : scene.bones) known.push_back(pair_name(muscle.body.name, bone.name));
   }
@@ -95,6 +107,7 @@ std::string ordered(const std::string& colliders, const Scene& scene) {
 }
 
 std::string refusal_of(const std::string& colliders, const std::vector<std::string>& known) {
+  if (colliders == all_faces) return "nothing asks about faces in this scene; give it [effects.surface_contact]";
   return colliders == all_muscles
              ? std::string("no muscles of this scene touch; give it muscle_contact = true or a [[pair]]")
              : fmt::format(
@@ -193,6 +206,22 @@ BackendChoice choose_between_muscles(const std::optional<NamedBackend>& named) {
   return choice;
 }
 
+std::optional<BackendChoice> choose_for_faces(const std::optional<NamedBackend>& named) {
+  if (!named) return std::nullopt;
+  if (!named->entry->make_surface_queries) {
+    throw InputError(named->location,
+                     fmt::format("'{}' tells no distance outside of bones; for faces take {}", named->entry->name,
+                                 fmt::join(backends_that_have(&BackendEntry::make_surface_queries), ", ")));
+  }
+  BackendChoice choice = named->choice();
+  try {
+    (void)choice.entry->make_surface_queries(choice.parameters);  // refuses before anything is built
+  } catch (const InputError& error) {
+    throw InputError(named->parameters_location, error.what());
+  }
+  return choice;
+}
+
 }  // namespace
 
 ColliderBackends choose_collider_backends(const std::vector<std::string>& options, const Scene& scene,
@@ -215,6 +244,7 @@ ColliderBackends choose_collider_backends(const std::vector<std::string>& option
     const std::string name = pair_name(name_of(scene, pair.muscles.first), name_of(scene, pair.muscles.second));
     result.of_muscle_pairs.push_back(choose_between_muscles(find_named(chosen, {name, all_muscles}, pair.backend)));
   }
+  result.of_faces = choose_for_faces(find_named(chosen, {all_faces}, {}));
   return result;
 }
 
@@ -288,6 +318,14 @@ std::vector<std::unique_ptr<MuscleContactDetector>> make_muscle_detectors(const 
     detectors.push_back(choice.entry->make_muscle_detector(choice.parameters, muscles, threads));
   }
   return detectors;
+}
+
+ContactMethods make_contact_methods(const Scene& scene, const ColliderBackends& colliders, int threads) {
+  ContactMethods methods{make_muscle_detectors(scene, colliders, threads)};
+  if (const auto& choice = colliders.of_faces) {
+    methods.make_surface_queries = choice->entry->make_surface_queries(choice->parameters);
+  }
+  return methods;
 }
 
 }  // namespace musclebench

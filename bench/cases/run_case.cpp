@@ -77,13 +77,13 @@ class CaseRunner {
     m_result.structure_errors = m_backend->structure_errors();
     m_result.structures = m_backend->structure_origin();
     m_reach = std::move(built.reach);
-    auto muscle_detectors = make_muscle_detectors(m_scene, m_run.colliders, m_run.threads);
-    for (const auto& detector : muscle_detectors) {
+    ContactMethods methods = make_contact_methods(m_scene, m_run.colliders, m_run.threads);
+    for (const auto& detector : methods.muscle_detectors) {
       m_result.muscle_structure_bytes += detector->structure_bytes();
     }
 
     PreparedSimulation prepared =
-        prepare_simulation(m_run.scene, *m_backend, m_run.responses, m_run.threads, std::move(muscle_detectors));
+        prepare_simulation(m_run.scene, *m_backend, m_run.responses, m_run.threads, std::move(methods));
     release_shared(m_scene);
     m_simulation = std::move(prepared.simulation);
     note_pruned_bones(0);
@@ -221,7 +221,7 @@ class CaseRunner {
   /// In words that follow those of what was lost. The run is made again for it: the same bits, watched.
   [[nodiscard]] std::string moved_out_by(int frame) {
     PreparedSimulation again = prepare_simulation(m_scene, *m_backend, m_run.responses, m_run.threads,
-                                                  make_muscle_detectors(m_scene, m_run.colliders, m_run.threads));
+                                                  make_contact_methods(m_scene, m_run.colliders, m_run.threads));
     KeptSteps steps(!m_scene.muscle_pairs.empty());
     again.simulation->stop_when(m_is_stopped);
     const std::string cause = cause_of_divergence(*again.simulation, frame, steps);

@@ -89,7 +89,7 @@ void add_collider_option(CLI::App& command, BackendOptions& options) {
   command.add_option(
       "--for", options.colliders,
       "COLLIDER=BACKEND[:key=value,...]: another backend for one collider; may be repeated. COLLIDER is BONE, "
-      "MUSCLE/BONE, MUSCLE/MUSCLE, or `muscles` for all muscles that touch");
+      "MUSCLE/BONE, MUSCLE/MUSCLE, `muscles` for all muscles that touch, or `faces` for surface_contact with bones");
 }
 
 void add_threads_option(CLI::App& command, int& threads) {

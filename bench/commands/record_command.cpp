@@ -63,7 +63,7 @@ int record(const RecordOptions& options) {
   const BuiltBackend built = build_backend(resolved);
   const PreparedSimulation prepared =
       prepare_simulation(resolved.scene, *built.backend, resolved.responses, resolved.threads,
-                         make_muscle_detectors(scene, resolved.colliders, resolved.threads));
+                         make_contact_methods(scene, resolved.colliders, resolved.threads));
   release_shared(scene);
   const RecordingHeader header =
       recording_header(resolved, options.scene, {1, scene.loop.frames}, prepared.simulation->free_nodes());

@@ -134,6 +134,10 @@ int replay(const ReplayOptions& options) {
   const Scene scene = load_recorded_scene(recording.header(), options.recorded);
 
   ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
+  if (colliders.of_faces) {
+    throw InputError("--for faces",
+                     "a replay asks about nodes, and the queries of faces are not recorded; leave it out");
+  }
   if (options.bones_only) colliders.of_muscle_pairs.clear();
   if (!colliders.of_muscle_pairs.empty() && !recording.header().muscle_contact) {
     throw InputError(options.recorded.recording,

@@ -44,7 +44,7 @@ std::string fault_of(const Scene& scene) {
   const RunCase run = combination_case(scene);
   const BuiltBackend built = build_backend(run);
   const PreparedSimulation prepared = prepare_simulation(scene, *built.backend, run.responses, run.threads,
-                                                         make_muscle_detectors(scene, run.colliders, run.threads));
+                                                         make_contact_methods(scene, run.colliders, run.threads));
   for (int frame = 1; frame <= scene.loop.frames; ++frame) {
     prepared.simulation->step_frame(frame);
     for (const Vec3& position : prepared.simulation->positions()) {

@@ -25,7 +25,7 @@ constexpr int coarse = 1;  // the balls: instructions are counted by a program t
 /// All that effects are made for and do: where callgrind counts.
 [[gnu::noinline]] PreparedSimulation counted_run(const RunCase& run, CollisionBackend& backend, int frames) {
   PreparedSimulation prepared = prepare_simulation(run.scene, backend, run.responses, run.threads,
-                                                   make_muscle_detectors(run.scene, run.colliders, run.threads));
+                                                   make_contact_methods(run.scene, run.colliders, run.threads));
   for (int frame = 1; frame <= frames; ++frame) prepared.simulation->step_frame(frame);
   return prepared;
 }

@@ -187,7 +187,7 @@ void run_muscles(benchmark::State& state, const std::string& name, int threads) 
   const auto backend = built_backend(name, run_settings(name), scene.bones, scene.muscle_mesh, threads);
   const PreparedSimulation prepared =
       prepare_simulation(scene, *backend, {entry.default_response}, threads,
-                         make_muscle_detectors(scene, choose_collider_backends({}, scene, entry), threads));
+                         make_contact_methods(scene, choose_collider_backends({}, scene, entry), threads));
   time_frames(state, *prepared.simulation, scene.loop.frames);
 }
 

@@ -86,6 +86,7 @@ Json json_of(const BackendEntry& backend) {
           {"default_response", name_of(backend.default_response)},
           {"exact", backend.exact},
           {"muscle_contact", backend.make_muscle_detector != nullptr},
+          {"face_contact", backend.make_surface_queries != nullptr},
           {"parameters", json_of(backend.parameters)},
           {"capabilities", json_of(made->capabilities())},
           {"study", study}};

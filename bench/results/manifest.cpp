@@ -182,6 +182,7 @@ Json json_of_case(const Case& resolved, std::string_view mode) {
                ? Json{{"response", name_of(kind)}, {"steps", steps}}
                : Json();
   });
+  if (resolved.colliders.of_faces) json["face_contact"] = json_of(*resolved.colliders.of_faces);
   for (std::size_t pair = 0; pair < resolved.colliders.of_muscle_pairs.size(); ++pair) {
     json["muscle_contact"].push_back(
         {{"muscles", names_of(resolved.scene, resolved.scene.muscle_pairs[pair].muscles)},

@@ -7,14 +7,17 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "core/clearance/cached_point_query.hpp"
 #include "core/clearance/query_surface.hpp"
 #include "core/contact/backend_entry.hpp"
 #include "core/contact/bone.hpp"
 #include "core/contact/collision_backend.hpp"
+#include "core/contact/surface_queries.hpp"
 #include "core/distance/triangle_distance.hpp"
 #include "core/mesh/mesh_size.hpp"
 
@@ -53,6 +56,8 @@ class ListedTriangles {
 /// - `is_inside(point)`: the side of a point that is not on the surface.
 /// - `answer_bound()`: see BoneStructure.
 /// - `bytes()`: memory of the structure.
+///
+/// It may offer `way_out_m(from, direction, length_m)`, too: SurfaceQueries::way_out_m by a ray of its own.
 template <typename Library>
 concept TriangleLibrary = requires(const Library& library, const Vec3& point, double radius_m, int near,
                                    ListedTriangles& list) {
@@ -86,7 +91,7 @@ class LocatedTriangles {
         m_mesh(&bone.surface.mesh),
         m_touching_m(touching_distance_m(*m_mesh)),
         m_near_m(mean_triangle_size_m(*m_mesh)),
-        m_is_closed(is_closed(*m_mesh)),
+        m_is_closed(musclebench::is_closed(*m_mesh)),
         m_culls(culls && m_is_closed) {
     m_box = bounding_box(m_mesh->vertices);
     const Vec3 reach = Vec3::Constant(m_library->answer_bound().false_distance_m);
@@ -117,6 +122,14 @@ class LocatedTriangles {
   [[nodiscard]] Vec3 outward(const Vec3& point, const ClosestPoint& closest) const {
     return (closest.point - point) / closest.distance_m;
   }
+  /// Unit normal of a triangle.
+  [[nodiscard]] Vec3 normal(int triangle) const {
+    const auto [a, b, c] = corners(triangle);
+    return (b - a).cross(c - a).stableNormalized();
+  }
+  /// Whether the side of a point changes only at the surface.
+  [[nodiscard]] bool is_closed() const { return m_is_closed; }
+  [[nodiscard]] const Library& library() const { return *m_library; }
   [[nodiscard]] AnswerBound answer_bound() const { return m_library->answer_bound(); }
   [[nodiscard]] double touching_m() const { return m_touching_m; }
   [[nodiscard]] double near_m() const { return m_near_m; }
@@ -156,10 +169,14 @@ class LocatedTriangles {
   /// Skin of a candidate list, in mean triangle sizes.
   static constexpr double list_skin = 0.75;
 
-  [[nodiscard]] ClosestPoint on_triangle(const Vec3& point, int triangle) const {
+  [[nodiscard]] std::array<Vec3, 3> corners(int triangle) const {
     const auto& [a, b, c] = m_mesh->triangles[static_cast<std::size_t>(triangle)];
     const auto corner = [&](int vertex) -> const Vec3& { return m_mesh->vertices[static_cast<std::size_t>(vertex)]; };
-    const ClosestOnTriangle found = closest_on_triangle(point, corner(a), corner(b), corner(c));
+    return {corner(a), corner(b), corner(c)};
+  }
+  [[nodiscard]] ClosestPoint on_triangle(const Vec3& point, int triangle) const {
+    const auto [a, b, c] = corners(triangle);
+    const ClosestOnTriangle found = closest_on_triangle(point, a, b, c);
     return {found.point, std::sqrt(found.squared_distance_m2), triangle, found.feature};
   }
 
@@ -171,6 +188,65 @@ class LocatedTriangles {
   bool m_culls;
   Eigen::AlignedBox3d m_box;
 };
+
+/// SurfaceQueries over a TriangleLibrary.
+template <TriangleLibrary Library>
+class TriangleQueries final : public SurfaceQueries {
+ public:
+  explicit TriangleQueries(LocatedTriangles<Library> surface) : m_surface(std::move(surface)) {}
+
+  [[nodiscard]] SurfaceAnswer locate(const Vec3& point, int near) const override {
+    const ClosestPoint closest = m_surface.closest(point, near);
+    const Vec3 away = point - closest.point;
+    if (!(closest.distance_m > m_surface.touching_m())) {
+      const Vec3 normal = m_surface.normal(closest.triangle);
+      return {normal.dot(away), normal, closest.point, closest.triangle};
+    }
+    return on_side(m_surface.side(point, closest).inside, point, closest);
+  }
+
+  [[nodiscard]] SurfaceAnswer locate_from(const Vec3& point, const Vec3& last_point,
+                                          const SurfaceAnswer& last) const override {
+    const double free_m = std::abs(last.signed_distance_m) - m_surface.answer_bound().storage_m;
+    // Across a hole the side changes in empty space.
+    if (!m_surface.is_closed() || !((point - last_point).norm() < free_m)) return locate(point, last.near);
+    const ClosestPoint closest = m_surface.closest(point, last.near);
+    if (!(closest.distance_m > m_surface.touching_m())) return locate(point, last.near);
+    return on_side(last.signed_distance_m < 0, point, closest);
+  }
+
+  [[nodiscard]] Clearance clearance(const Vec3& point, int near) const override {
+    const ClosestPoint closest = m_surface.closest(point, near);
+    return {std::max(closest.distance_m - m_surface.answer_bound().storage_m, 0.0), closest.triangle};
+  }
+
+  [[nodiscard]] std::optional<double> way_out_m(const Vec3& from, const Vec3& direction, double length_m, int near,
+                                                std::vector<PathCrossing>& scratch) const override {
+    if constexpr (requires { m_surface.library().way_out_m(from, direction, length_m); }) {
+      return m_surface.library().way_out_m(from, direction, length_m);
+    } else {
+      return SurfaceQueries::way_out_m(from, direction, length_m, near, scratch);
+    }
+  }
+
+ private:
+  [[nodiscard]] static SurfaceAnswer on_side(bool inside, const Vec3& point, const ClosestPoint& closest) {
+    const double signed_distance_m = inside ? -closest.distance_m : closest.distance_m;
+    return {signed_distance_m, (point - closest.point) / signed_distance_m, closest.point, closest.triangle};
+  }
+
+  LocatedTriangles<Library> m_surface;
+};
+
+/// BackendEntry::make_surface_queries of such a backend, with the same `make`.
+template <typename Make>
+MakeSurfaceQueries queries_on_triangles(Make make) {
+  return [make](const Bone& bone, int /*threads*/) -> std::shared_ptr<const SurfaceQueries> {
+    auto library = make(bone);
+    using Library = std::remove_const_t<typename decltype(library)::element_type>;
+    return std::make_shared<const TriangleQueries<Library>>(LocatedTriangles<Library>(std::move(library), bone, false));
+  };
+}
 
 /// PointMethod::build of a backend over a TriangleLibrary that has `cull_parameter()`. `make(bone)` returns the
 /// library's structure over a bone: std::unique_ptr<const Library>.

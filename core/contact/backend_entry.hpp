@@ -13,6 +13,7 @@
 #include "core/contact/collision_backend.hpp"
 #include "core/contact/muscle_contact.hpp"
 #include "core/contact/response.hpp"
+#include "core/contact/surface_queries.hpp"
 
 namespace musclebench {
 
@@ -66,6 +67,9 @@ struct BackendEntry {
   std::function<SignedDistance(const Bone& bone, int threads)> signed_distance = nullptr;
   /// Makes a detector of contacts between muscles. Empty if the backend cannot follow deforming surfaces.
   MakeMuscleContactDetector make_muscle_detector = nullptr;
+  /// What contact of faces with bones asks (`--for faces=NAME`). Empty if the backend tells no distance outside. Throws
+  /// InputError for parameters that it does not support.
+  std::function<MakeSurfaceQueries(const Parameters&)> make_surface_queries = nullptr;
   StructureExport structure_export = {};
   std::string study = {};  ///< the text of its study.toml; the build fills it in
 };

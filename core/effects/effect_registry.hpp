@@ -11,6 +11,7 @@
 #include "core/contact/bone.hpp"
 #include "core/contact/contact_properties.hpp"
 #include "core/contact/response.hpp"
+#include "core/contact/surface_queries.hpp"
 #include "core/fibres/fibre_segments.hpp"
 #include "core/mesh/body.hpp"
 #include "core/mesh/bound_node.hpp"
@@ -36,13 +37,14 @@ struct StageInput {
   std::span<const Bone> bones;
   std::size_t nodes = 0;  ///< of all muscles
   std::span<const Triangle> triangles = {};
-  std::span<const double> inverse_masses = {};  ///< by node, 1/kg; needed while the stage is made only
-  std::span<const BoundNode> bound_nodes = {};  ///< as these
-  int threads = 1;                              ///< that a stage may use; they change no bit of its results
-  const TriangleMesh* mesh = nullptr;           ///< of all muscles, at rest
-  std::span<const Body> bodies = {};            ///< muscles in it
-  std::span<const char> untouched = {};         ///< by bone, whether no node is expected near it; empty: none is known
-  ContactProperties contacts = {};              ///< of all contacts that a stage finds itself
+  std::span<const double> inverse_masses = {};   ///< by node, 1/kg; needed while the stage is made only
+  std::span<const BoundNode> bound_nodes = {};   ///< as these
+  int threads = 1;                               ///< that a stage may use; they change no bit of its results
+  const TriangleMesh* mesh = nullptr;            ///< of all muscles, at rest
+  std::span<const Body> bodies = {};             ///< muscles in it
+  std::span<const char> untouched = {};          ///< by bone, whether no node is expected near it; empty: none is known
+  ContactProperties contacts = {};               ///< of all contacts that a stage finds itself
+  MakeSurfaceQueries make_surface_queries = {};  ///< that contact of faces asks; empty: the exact ones
 
   [[nodiscard]] bool is_untouched(std::size_t bone) const { return bone < untouched.size() && untouched[bone] != 0; }
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -61,41 +62,39 @@ struct Face {
 
 struct DeepestPoint {
   Vec3 at;
-  SignedPoint located;
-  Vec3 gradient;         ///< of the signed distance there
+  SurfaceAnswer located;
   Vec3 gradient_beside;  ///< where the descent looked last before; on a ridge often that of its other side
 };
 
 /// The share of a step from `best` to `trial`, which goes no deeper, that the next one takes: where the tangents at
 /// both ends meet, so that a ridge between them, where the distance has a kink, is hit at once.
-double next_share(const DeepestPoint& best, const Vec3& trial, double trial_distance_m, const Vec3& trial_gradient) {
+double next_share(const DeepestPoint& best, const Vec3& trial, const SurfaceAnswer& located) {
   const Vec3 step = trial - best.at;
-  const double falls_m = -best.gradient.dot(step);
-  const double rises_m = trial_gradient.dot(step);
-  const double gained_m = best.located.signed_distance_m() - trial_distance_m + rises_m;
+  const double falls_m = -best.located.gradient.dot(step);
+  const double rises_m = located.gradient.dot(step);
+  const double gained_m = best.located.signed_distance_m - located.signed_distance_m + rises_m;
   return falls_m > 0 && rises_m > 0 ? std::clamp(gained_m / (falls_m + rises_m), 0.02, 0.98) : 0.5;
 }
 
 /// Projected descent: along the part of the gradient in the face's plane, back into the face, by a shorter step where
 /// that goes no deeper.
-DeepestPoint find_deepest(const SignedSurface& surface, const Face& face, const Vec3& start, int near) {
+DeepestPoint find_deepest(const SurfaceQueries& surface, const Face& face, const Vec3& start, int near) {
   const auto& [a, b, c] = face.corners;
-  const SignedPoint at_start = surface.locate_from(start, near);
-  const Vec3 first = surface.outward(start, at_start);
-  DeepestPoint best{start, at_start, first, first};
+  const SurfaceAnswer at_start = surface.locate(start, near);
+  DeepestPoint best{start, at_start, at_start.gradient};
   double step_m = 0.5 * face.radius_m;
   for (int query = 1; query < most_queries && step_m > least_step * face.radius_m; ++query) {
-    const Vec3 in_plane = best.gradient - face.normal.dot(best.gradient) * face.normal;
+    const Vec3& gradient = best.located.gradient;
+    const Vec3 in_plane = gradient - face.normal.dot(gradient) * face.normal;
     const double slope = in_plane.norm();
     if (!(slope > 1e-6)) break;
     const Vec3 trial = closest_on_triangle(best.at - step_m / slope * in_plane, a, b, c).point;
-    const SignedPoint located = surface.locate_from(trial, best.located.closest.triangle);
-    const Vec3 gradient = surface.outward(trial, located);
-    if (located.signed_distance_m() < best.located.signed_distance_m()) {
-      best = {trial, located, gradient, best.gradient};
+    const SurfaceAnswer located = surface.locate_from(trial, best.at, best.located);
+    if (located.signed_distance_m < best.located.signed_distance_m) {
+      best = {trial, located, best.located.gradient};
     } else {
-      step_m *= next_share(best, trial, located.signed_distance_m(), gradient);
-      best.gradient_beside = gradient;
+      step_m *= next_share(best, trial, located);
+      best.gradient_beside = located.gradient;
     }
   }
   return best;
@@ -120,36 +119,37 @@ Vec3 along_face(const Face& face, const Vec3& weights, const Vec3& direction) {
 /// differ, and their mean is normal to ridge and edge. Beside a spike the part along the face may be nearly all; then
 /// the face gives way into the muscle.
 Vec3 direction_out(const Face& face, const Vec3& weights, const DeepestPoint& deepest) {
-  const Vec3 along = along_face(face, weights, deepest.gradient);
+  const Vec3& gradient = deepest.located.gradient;
+  const Vec3 along = along_face(face, weights, gradient);
   const Vec3 change = along - along_face(face, weights, deepest.gradient_beside);
   const double squared = change.squaredNorm();
   const double beside = squared > 0 ? std::clamp(along.dot(change) / squared, 0.0, 1.0) : 0.0;
-  const Vec3 mean = (1 - beside) * deepest.gradient + beside * deepest.gradient_beside;
+  const Vec3 mean = (1 - beside) * gradient + beside * deepest.gradient_beside;
   const Vec3 direction = mean - along_face(face, weights, mean);
   const double part = direction.norm();
   return part > least_along * mean.norm() && part > thinnest ? Vec3(direction / part) : Vec3(-face.normal);
 }
 
 /// Point of the bone's surface and normal of the plane that keeps the point at `deepest` out.
-std::pair<Vec3, Vec3> plane_at(const SignedSurface& surface, const Face& face, const Vec3& weights,
+std::pair<Vec3, Vec3> plane_at(const SurfaceQueries& surface, const Face& face, const Vec3& weights,
                                const DeepestPoint& deepest, std::vector<PathCrossing>& crossings) {
-  std::pair<Vec3, Vec3> tangent = {deepest.located.closest.point, deepest.gradient};
+  const SurfaceAnswer& located = deepest.located;
+  std::pair<Vec3, Vec3> tangent = {located.closest_m, located.gradient};
   const Vec3 out = direction_out(face, weights, deepest);
-  if (!deepest.located.inside) {
-    return out.dot(deepest.gradient) > least_along ? std::pair(deepest.located.closest.point, out) : tangent;
+  if (!(located.signed_distance_m < 0)) {
+    return out.dot(located.gradient) > least_along ? std::pair(located.closest_m, out) : tangent;
   }
   // The tangent plane is met at depth / (out . gradient); a ridge that pokes through ends before or a little behind it.
-  const double length_m = 2 * deepest.located.closest.distance_m / std::max(out.dot(deepest.gradient), least_along);
-  surface.tree().find_crossings(deepest.at, deepest.at + length_m * out, crossings);
-  if (crossings.empty() || crossings.front().entering) return tangent;
-  return {deepest.at + crossings.front().share * length_m * out, out};
+  const double length_m = -2 * located.signed_distance_m / std::max(out.dot(located.gradient), least_along);
+  const std::optional<double> way_m = surface.way_out_m(deepest.at, out, length_m, located.near, crossings);
+  return way_m ? std::pair<Vec3, Vec3>(deepest.at + *way_m * out, out) : tangent;
 }
 
 /// Collects the contacts of one face with one bone, each from where a descent began.
 class FaceSearch {
  public:
-  /// `near` is a triangle of the bone, kept near the face. Appends to `found`.
-  FaceSearch(const SignedSurface& surface, const Face& face, double skin_m, int& near, std::vector<FaceContact>& found,
+  /// `near` is for queries near the face. Appends to `found`.
+  FaceSearch(const SurfaceQueries& surface, const Face& face, double skin_m, int& near, std::vector<FaceContact>& found,
              std::vector<PathCrossing>& crossings)
       : m_surface(surface),
         m_face(face),
@@ -162,8 +162,8 @@ class FaceSearch {
   /// Whether it ends in the bone or within the skin.
   bool descend_from(const Vec3& start, FaceContact contact) {
     const DeepestPoint deepest = find_deepest(m_surface, m_face, start, m_near);
-    m_near = deepest.located.closest.triangle;
-    if (!(deepest.located.signed_distance_m() < m_skin_m)) return false;
+    m_near = deepest.located.near;
+    if (!(deepest.located.signed_distance_m < m_skin_m)) return false;
     contact.weights = m_face.weights_of(deepest.at);
     if (!is_found(contact.weights)) {
       std::tie(contact.point, contact.normal) = plane_at(m_surface, m_face, contact.weights, deepest, m_crossings);
@@ -179,7 +179,7 @@ class FaceSearch {
   }
 
  private:
-  const SignedSurface& m_surface;
+  const SurfaceQueries& m_surface;
   const Face& m_face;
   double m_skin_m;
   int& m_near;
@@ -229,8 +229,11 @@ FaceContactFinder::FaceContactFinder(const StageInput& input, double skin_m)
     if (has_free_node(t, input.inverse_masses)) m_searched.push_back(static_cast<int>(t));
   }
   m_clearances.reset(input.bones, m_triangles.size());
+  const auto make = [make_queries = input.make_surface_queries, threads = m_threads](const Bone& bone) {
+    return make_queries ? make_queries(bone, threads) : exact_surface_queries(bone);
+  };
   for (std::size_t bone = 0; bone < input.bones.size(); ++bone) {
-    m_bones.push_back({{input.bones[bone], input.is_untouched(bone)},
+    m_bones.push_back({{input.bones[bone], input.is_untouched(bone), make},
                        SharpVertices(input.bones[bone].surface.mesh),
                        std::vector<int>(m_triangles.size(), 0),
                        {}});
@@ -298,7 +301,7 @@ void FaceContactFinder::search_all(std::size_t bone, std::span<const Vec3> posit
 
 /// Before the threads begin: what they read is built by then.
 void FaceContactFinder::build_if_near(std::size_t bone, std::span<const int> triangles, const RigidMotion& pose) {
-  StageSurface& surface = m_bones[bone].surface;
+  StageSurface<SurfaceQueries>& surface = m_bones[bone].surface;
   if (surface.is_built()) return;
   const auto is_near = [&](int triangle) {
     const auto t = static_cast<std::size_t>(triangle);
@@ -326,9 +329,9 @@ void FaceContactFinder::search(std::size_t triangle, std::size_t bone, std::span
   const double needed_m = m_reaches_m[triangle] + m_skin_m;
   const double by_box_m = m_bones[bone].surface.box_distance_m(centre);
   if (by_box_m > needed_m) return stored(by_box_m - needed_m);
-  const SignedSurface& surface = m_bones[bone].surface.get();
-  int& near = m_bones[bone].near_triangles[triangle];
-  const Clearance clearance = surface.tree().clearance_from(centre, near);
+  const SurfaceQueries& surface = m_bones[bone].surface.get();
+  int& near = m_bones[bone].near[triangle];
+  const Clearance clearance = surface.clearance(centre, near);
   if (clearance.distance_m > 0) near = clearance.triangle;
   if (clearance.distance_m > needed_m) return stored(clearance.distance_m - needed_m);  // or wholly inside
   const Face face = face_of(m_triangles[triangle], positions, pose);

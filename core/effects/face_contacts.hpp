@@ -6,6 +6,7 @@
 
 #include "core/clearance/clearance_cache.hpp"
 #include "core/clearance/stage_surface.hpp"
+#include "core/contact/surface_queries.hpp"
 #include "core/effects/effect_registry.hpp"
 #include "core/effects/sharp_vertices.hpp"
 
@@ -22,7 +23,7 @@ struct FaceContact {
 };
 
 /// Finds where the faces of muscles are deepest in bones, or within a skin about them. Of each triangle near a bone the
-/// deepest points are found by projected descent on the exact signed distance (Macklin, Erleben, Mueller, Chentanez,
+/// deepest points are found by projected descent on the signed distance (Macklin, Erleben, Mueller, Chentanez,
 /// Jeschke and Corse 2020, "Local optimization for robust signed distance field collision"), from its middle and, where
 /// that ends near the bone, from near its corners and from where it was deepest last: a ridge cuts a triangle along
 /// a line, and what keeps one end of it out leaves the other one in. A spike may be narrower than what lies between
@@ -33,7 +34,7 @@ struct FaceContact {
 /// sideways; there the plane is the one through the exit of the face's normal.
 class FaceContactFinder {
  public:
-  /// Of `input` the bones' surfaces are shared. Points closer to a bone than `skin_m` are found, too.
+  /// Asks `input.make_surface_queries`. Points closer to a bone than `skin_m` are found, too.
   FaceContactFinder(const StageInput& input, double skin_m);
 
   /// The contacts at `positions` (of all nodes, world frame, m), by bone, then triangle; the same for any number of
@@ -46,9 +47,9 @@ class FaceContactFinder {
 
  private:
   struct BoneSurface {
-    StageSurface surface;
+    StageSurface<SurfaceQueries> surface;
     SharpVertices sharp_vertices;
-    std::vector<int> near_triangles;     ///< of the bone, by the muscle's triangle
+    std::vector<int> near;               ///< for the next query, by the muscle's triangle
     std::vector<int> pointed_triangles;  ///< of the muscle, that the last search saw sharp vertices about, ascending
   };
   /// Triangles that one thread searches, and what it found.

@@ -17,7 +17,8 @@ class Margin final : public ContactStage {
   Margin(const StageInput& input, double thickness_m) : m_thickness_m(thickness_m) {
     m_clearances.reset(input.bones, input.nodes);
     for (std::size_t bone = 0; bone < input.bones.size(); ++bone) {
-      m_bones.push_back({{input.bones[bone], input.is_untouched(bone)}, std::vector<int>(input.nodes, 0)});
+      m_bones.push_back(
+          {exact_stage_surface(input.bones[bone], input.is_untouched(bone)), std::vector<int>(input.nodes, 0)});
     }
     m_added.reserve(input.nodes * input.bones.size());
   }
@@ -43,7 +44,7 @@ class Margin final : public ContactStage {
 
  private:
   struct BoneSurface {
-    StageSurface surface;
+    ExactStageSurface surface;
     std::vector<int> near_triangles;  ///< by node
   };
 

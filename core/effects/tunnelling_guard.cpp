@@ -29,7 +29,7 @@ class BoneGuard {
  public:
   /// Nodes are put back to `margin_m` from the surface.
   BoneGuard(const Bone& bone, bool untouched, std::size_t nodes, double margin_m)
-      : m_surface(bone, untouched), m_states(nodes), m_margin_m(margin_m) {}
+      : m_surface(exact_stage_surface(bone, untouched)), m_states(nodes), m_margin_m(margin_m) {}
 
   /// Radius of a sphere about the end of the path without any of the surface, where the distance to the bone's box is
   /// enough to tell that the path does not meet it; else 0.
@@ -160,7 +160,7 @@ class BoneGuard {
             located.inside};
   }
 
-  StageSurface m_surface;
+  ExactStageSurface m_surface;
   std::vector<NodeState> m_states;
   double m_margin_m;
   std::vector<PathCrossing> m_crossings;  // scratch memory

@@ -83,9 +83,8 @@ Particles particles_of(const Scene& scene, const std::vector<BoundNode>& bound) 
 }  // namespace
 
 PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& backend,
-                                      const std::vector<ResponseKind>& responses, int threads,
-                                      MuscleContactDetectors muscle_detectors) {
-  if (!scene.muscle_pairs.empty() && muscle_detectors.empty()) {
+                                      const std::vector<ResponseKind>& responses, int threads, ContactMethods methods) {
+  if (!scene.muscle_pairs.empty() && methods.muscle_detectors.empty()) {
     throw std::invalid_argument("prepare_simulation: the scene's muscles touch, and there is no detector for that");
   }
   const std::vector<RigidMotion> rest_poses(scene.bones.size());
@@ -115,16 +114,17 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
   prepared.simulation = std::make_unique<Simulation>(
       scene.loop, particles, std::move(order), std::move(effects), backend, std::move(response),
       [&scene](double position, std::vector<RigidMotion>& poses) { scene.poses_at(position, poses); }, threads);
-  if (!muscle_detectors.empty()) {
+  if (!methods.muscle_detectors.empty()) {
     prepared.simulation->add_stage(
-        make_muscle_contact_stage(scene, particles.inverse_masses, contacts, std::move(muscle_detectors)));
+        make_muscle_contact_stage(scene, particles.inverse_masses, contacts, std::move(methods.muscle_detectors)));
   }
   for (const auto& [entry, parameters] : named) {
     if (!entry->make_stage) continue;
-    prepared.simulation->add_stage(entry->make_stage(
-        {scene.bones, scene.muscle_mesh.vertices.size(), scene.muscle_mesh.triangles, particles.inverse_masses,
-         prepared.bound_nodes, threads, &scene.muscle_mesh, bodies, backend.untouched(), contacts},
-        *parameters));
+    prepared.simulation->add_stage(
+        entry->make_stage({scene.bones, scene.muscle_mesh.vertices.size(), scene.muscle_mesh.triangles,
+                           particles.inverse_masses, prepared.bound_nodes, threads, &scene.muscle_mesh, bodies,
+                           backend.untouched(), contacts, methods.make_surface_queries},
+                          *parameters));
   }
   prepared.simulation->limit_motion(motion_limits(scene));
   for (const auto& stage : prepared.simulation->stages()) {

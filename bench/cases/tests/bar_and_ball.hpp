@@ -106,7 +106,7 @@ inline std::vector<std::vector<Vec3>> simulated(const std::string& text, int thr
   backend->build(scene.bones, scene.muscle_mesh, threads);
   const PreparedSimulation prepared =
       prepare_simulation(scene, *backend, choose_responses("", scene, entry, parameters, colliders), threads,
-                         make_muscle_detectors(scene, colliders, threads));
+                         make_contact_methods(scene, colliders, threads));
   for (int frame = 1; frame <= scene.loop.frames; ++frame) {
     prepared.simulation->step_frame(frame);
   }

@@ -9,6 +9,7 @@
 
 #include "bench/cases/tests/bar_and_ball.hpp"
 #include "core/base/input_error.hpp"
+#include "core/mesh/mesh_size.hpp"
 #include "core/scene/tests/scene_errors.hpp"
 
 namespace musclebench {
@@ -94,6 +95,19 @@ TEST(ColliderBackends, OfDifferentResponsesRunTogether) {
   for (const Vec3& position : prepared.simulation->positions()) ASSERT_TRUE(position.allFinite());
 }
 
+TEST(ColliderBackends, FacesHaveTheirOwn) {
+  const BackendEntry& bvh = find_backend("bvh");
+  const Scene scene = read_scene(request("[effects.surface_contact]\n" + both()));
+  EXPECT_FALSE(make_contact_methods(scene, choose_collider_backends({}, scene, bvh), 1).make_surface_queries);
+  const ColliderBackends colliders = choose_collider_backends({"faces=sdf:cells=16"}, scene, bvh);
+  EXPECT_TRUE(colliders.with_bones.empty());
+  ASSERT_TRUE(colliders.of_faces);
+  EXPECT_EQ(colliders.of_faces->parameters.integer("cells"), 16);
+  const auto queries = make_contact_methods(scene, colliders, 1).make_surface_queries(scene.bones[0], 1);
+  const Vec3 middle = bounding_box(scene.bones[0].surface.mesh.vertices).center();
+  EXPECT_LT(queries->locate(middle, -1).signed_distance_m, 0);
+}
+
 TEST(ColliderBackends, WhatCannotBeIsRefused) {
   const Scene scene = read_scene(request(all_touch + both()));
   const Scene apart = read_scene(request(both()));
@@ -116,6 +130,10 @@ TEST(ColliderBackends, WhatCannotBeIsRefused) {
   expect_mentions(refusal(scene, "bar/lidd=sdf"), {"--for bar/lidd=sdf", "did you mean 'bar/lid'"});
   expect_mentions(refusal(apart, "bar/ball=bvh"), {"--for bar/ball=bvh", "of muscles that touch"});
   expect_mentions(refusal(apart, "muscles=bvh"), {"--for muscles=bvh", "no muscles of this scene touch"});
+  expect_mentions(refusal(apart, "faces=bvh"), {"--for faces=bvh", "[effects.surface_contact]"});
+  const Scene faces = read_scene(request("[effects.surface_contact]\n" + both()));
+  expect_mentions(refusal(faces, "faces=voxel"), {"--for faces=voxel", "tells no distance outside", "bvh", "sdf"});
+  expect_mentions(refusal(faces, "faces=sdf:band_m=0.01"), {"--for faces=sdf:band_m=0.01", "leave out band_m"});
   const std::string named = both() + pair("ball", "bar", "backend = \"sdf\"");
   for (const std::string& text : {named, "[contact]\nmuscle_contact = true\nmuscle_backend = \"sdf\"\n" + both()}) {
     const Scene unable = read_scene(request(text));

@@ -23,7 +23,7 @@ struct DoneSimulation {
     run.threads = threads;
     backend = build_backend(run, {}).backend;
     prepared = prepare_simulation(scene, *backend, run.responses, threads,
-                                  make_muscle_detectors(scene, run.colliders, threads));
+                                  make_contact_methods(scene, run.colliders, threads));
     if (records) prepared.simulation->record_impulses(scene.bodies());
     for (const Muscle& muscle : scene.muscles) {
       masses_kg.resize(static_cast<std::size_t>(muscle.body.last_node), node_mass_kg(scene, muscle));

@@ -67,9 +67,9 @@ Ended run(const Overlap& overlap) {
   const ColliderBackends colliders = choose_collider_backends({}, scene, entry);
   const auto backend = make_backend(scene, entry, parameters, colliders);
   backend->build(scene.bones, scene.muscle_mesh, 1);
-  const PreparedSimulation prepared = prepare_simulation(
-      scene, *backend, choose_responses(overlap.response, scene, entry, parameters, colliders), 1,
-      scene.muscle_pairs.empty() ? MuscleContactDetectors() : make_muscle_detectors(scene, colliders, 1));
+  const PreparedSimulation prepared =
+      prepare_simulation(scene, *backend, choose_responses(overlap.response, scene, entry, parameters, colliders), 1,
+                         make_contact_methods(scene, colliders, 1));
   Ended ended;
   for (int frame = 1; frame <= scene.loop.frames; ++frame) prepared.simulation->step_frame(frame);
   const std::vector<Vec3> velocities = prepared.simulation->velocities();

@@ -86,8 +86,9 @@ TEST(Catalogue, EachBackendHasTheKeysOfTheSchema) {
   int exact = 0;
   for (const Json& backend : json["backends"]) {
     SCOPED_TRACE(backend["name"]);
-    EXPECT_EQ(keys_of(backend), (Keys{"name", "label", "help", "implementation", "colour", "dash", "default_response",
-                                      "exact", "muscle_contact", "parameters", "capabilities", "study"}));
+    EXPECT_EQ(keys_of(backend),
+              (Keys{"name", "label", "help", "implementation", "colour", "dash", "default_response", "exact",
+                    "muscle_contact", "face_contact", "parameters", "capabilities", "study"}));
     EXPECT_EQ(keys_of(backend["capabilities"]),
               (Keys{"depth", "point_queries", "has_cache", "has_step", "steady_memory", "times_pairs"}));
     EXPECT_FALSE(backend["implementation"].get<std::string>().empty()) << "whose is it?";

@@ -142,6 +142,7 @@ TEST(ResultsSchema, HoldsForARun) {
   run.snapshots = {0, 2};
   run.count_self_intersections = true;
   run.forces = true;
+  run.colliders.of_faces = BackendChoice{&run.backend, run.parameters};
   RunResult result = result_of(run);
   add_fibres(scene, result);
   result.forces.push_back({.source = ForceSource::joint, .other = "bone", .torque_n_m = 0.1});  // no bone turns here
@@ -171,7 +172,7 @@ TEST(ResultsSchema, HoldsForAReplay) {
   const RunCase run = approximate_case(scene);
   const BuiltBackend built = build_backend(run);
   const PreparedSimulation prepared = prepare_simulation(scene, *built.backend, run.responses, run.threads,
-                                                         make_muscle_detectors(scene, run.colliders, run.threads));
+                                                         make_contact_methods(scene, run.colliders, run.threads));
   KeptFrames frames(static_cast<int>(scene.muscle_mesh.vertices.size()), prepared.simulation->free_nodes(), true);
   for (int frame = 1; frame <= 2; ++frame) {
     frames.begin_frame(frame, 0);

@@ -126,6 +126,7 @@ struct Lying {
     const EffectEntry* entry = find_effect("surface_contact");
     StageInput input{bones, mesh.vertices.size(), mesh.triangles, masses, bound, threads};
     input.contacts = contacts;
+    input.make_surface_queries = make_queries;
     stage = entry->make_stage(input, Parameters(entry->parameters, parameters, "test"));
   }
 
@@ -148,6 +149,7 @@ struct Lying {
   std::vector<RigidMotion> previous = {RigidMotion{}};
   std::map<std::string, ParameterValue> parameters;
   ContactProperties contacts;
+  MakeSurfaceQueries make_queries;
   std::unique_ptr<ContactStage> stage;
   int threads = 1;
 };
@@ -159,6 +161,38 @@ TEST(SurfaceContact, ARidgeBetweenTheNodesLiftsTheFaces) {
   lying.step(30);
   EXPECT_LT(deepest_m(lying.mesh, lying.predicted), 1e-4);
   EXPECT_EQ(lying.stage->name(), "surface_contact");
+}
+
+/// The signed distance of the roof's upper sides as planes that go on forever, by their formula.
+class FormulaOfRoof final : public SurfaceQueries {
+ public:
+  [[nodiscard]] SurfaceAnswer locate(const Vec3& point, int /*near*/) const override {
+    const Vec3 gradient = Vec3(point.x() < 0 ? -1 : 1, 0, 1).normalized();
+    const double distance_m = -depth_in_roof_m(point);
+    return {distance_m, gradient, point - distance_m * gradient, 7};
+  }
+  [[nodiscard]] Clearance clearance(const Vec3& point, int /*near*/) const override {
+    return {std::abs(depth_in_roof_m(point)), 7};
+  }
+};
+
+TEST(SurfaceContact, AsksTheQueriesThatItIsGiven) {
+  Lying by_mesh(sheet(-0.003));
+  by_mesh.step(30);
+  Lying by_formula(sheet(-0.003));
+  int made = 0;
+  by_formula.make_queries = [&made](const Bone& /*bone*/, int /*threads*/) {
+    ++made;
+    return std::make_shared<FormulaOfRoof>();
+  };
+  by_formula.step(30);
+  EXPECT_EQ(made, 1);
+  EXPECT_LT(deepest_m(by_formula.mesh, by_formula.predicted), 1e-4);
+  double apart_m = 0;
+  for (std::size_t i = 0; i < by_mesh.predicted.size(); ++i) {
+    apart_m = std::max(apart_m, (by_mesh.predicted[i] - by_formula.predicted[i]).norm());
+  }
+  EXPECT_LT(apart_m, 1e-5) << "the way out over the ridge is found by steps, to a millionth of what it may be";
 }
 
 TEST(SurfaceContact, ASpikeLiftsTheFaceAndDoesNotPushItAside) {
