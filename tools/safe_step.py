@@ -5,11 +5,13 @@ import json
 import math
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import pandas as pd
 
 from musclebench.cases.case import Folders
+from musclebench.cases.progress import duration
 from musclebench.cases.scene import Scene, chosen_names, survey
 from musclebench.cases.study_command import PROJECT, end
 from musclebench.options.safe_step import parse_arguments
@@ -103,10 +105,16 @@ def run_and_report(options) -> int:
 
 def search_all(trials: Trials, settings: list[Setting], scene: Scene) -> list[dict]:
     rows = []
-    for number, setting in enumerate(settings, 1):
+    begun = time.monotonic()
+    for done, setting in enumerate(settings):
+        text = f"{done + 1} of {len(settings)}: {setting.backend}, {setting.response}, {'guard' if setting.guard else 'no guard'}"
+        if done:
+            seconds = (time.monotonic() - begun) / done * (len(settings) - done)
+            text += f"; about {duration(seconds)} left"
         if sys.stderr.isatty():
-            print(f"\r{number} of {len(settings)}: {setting.backend}, {setting.response}, "
-                  f"{'guard' if setting.guard else 'no guard'}\x1b[K", end="", file=sys.stderr, flush=True)
+            print(f"\r{text}\x1b[K", end="", file=sys.stderr, flush=True)
+        else:
+            print(text, file=sys.stderr, flush=True)
         rows.append(searched(trials, setting, scene))
     if sys.stderr.isatty():
         print("\r\x1b[K", end="", file=sys.stderr)

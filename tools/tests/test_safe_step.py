@@ -37,9 +37,12 @@ def test_right_is_without_tunnelled_nodes_and_with_its_volume(tunnelled, volume_
 
 
 @needs_program
-def test_a_guard_allows_steps_as_long_as_none_at_least(tmp_path):
+def test_a_guard_allows_steps_as_long_as_none_at_least(tmp_path, capsys):
     code = safe_step.main(["hard/step_size", "--backend", "bvh", "--out", str(tmp_path / "out"), "--musclebench", PROGRAM])
     assert code == 0
+    told = capsys.readouterr().err.splitlines()
+    assert told[0] == "1 of 4: bvh, project, no guard"
+    assert told[3].startswith("4 of 4: bvh, backtrack, guard; about ") and told[3].endswith(" left")
     table = pd.read_csv(tmp_path / "out/safe_step.csv")
     assert list(table["guard"]) == ["no", "yes", "no", "yes"]
     projected = table[table.response == "project"].set_index("guard")
