@@ -73,10 +73,6 @@ CubicField build_field(const SignedSurface& surface, const GridShape& shape, con
                          ? CubicField(shape, settings.precision, narrow_band(surface, shape, *settings.band_m, threads))
                          : CubicField(shape, settings.precision);
   fill_distances(surface, field, threads, progress);
-  if (!has_clear_rim(field)) {
-    return build_field(surface, shape.whole(), settings, threads, progress);
-  }
-  keep_border_positive(field);
   find_cell_signs(field, threads);
   field.facts().error = estimate_error(field, surface, error_samples);
   return field;

@@ -33,10 +33,8 @@ void require_sensible_band(double band_m, const GridShape& shape, const Triangle
                            const std::string& bone_name);
 
 /// Fills the grid with the exact signed distance at its nodes (Koschier et al. 2017), marks the cells where the cubic
-/// field may be negative, and estimates its error. Where interpolation would make the field negative on the border of
-/// the domain, the edges there are made linear: all vertices of the border are outside the bone. What a narrow band
-/// keeps is the same as in the dense field, and so are the answers of a part of the grid. Where what a part leaves out
-/// might change them, the whole is built. The same bits for any number of threads.
+/// field may be negative, and estimates its error. What a narrow band keeps is the same as in the dense field, and so
+/// are the answers of a part of the grid. The same bits for any number of threads.
 /// `progress`, where given, is called from time to time by one thread with the share that is done.
 CubicField build_field(const SignedSurface& surface, const GridShape& shape, const FieldSettings& settings, int threads,
                        const std::function<void(double)>& progress = {});

@@ -16,7 +16,7 @@ namespace musclebench {
 namespace {
 
 /// Raise when the meaning of a field's bytes changes.
-constexpr std::uint32_t field_format_version = 2;
+constexpr std::uint32_t field_format_version = 3;
 constexpr FileMark field_file_mark{
     {'M', 'B', 'F', 'I', 'E', 'L', 'D', '\0'}, FileMark{}.byte_order, field_format_version};
 

@@ -142,14 +142,7 @@ class ForeignField {
 
   template <typename Visit>
   void for_each_sample(const Visit& visit) const {
-    const auto visit_one_of = [&](const CellIndex& cell, std::size_t turn) {
-      bool at_border = false;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        at_border = at_border || cell[axis] == 0 || cell[axis] + 1 == m_shape.count(axis);
-      }
-      // On the border our own builder may have made edges linear.
-      visit(cell, turn % (at_border ? corners_of_cell : nodes_of_cell));
-    };
+    const auto visit_one_of = [&](const CellIndex& cell, std::size_t turn) { visit(cell, turn % nodes_of_cell); };
     for (std::size_t n = 0; n < samples; ++n) {
       const CellPosition at = *m_field.locate(m_mesh.vertices[n * m_mesh.vertices.size() / samples]);
       visit_one_of({at.i, at.j, at.k}, n);

@@ -133,37 +133,6 @@ double CubicCell::lower_bound() const {
   return *std::min_element(coefficients.begin(), coefficients.end());
 }
 
-double CubicCell::rough_lower_bound_on_face(std::size_t face_axis, int side) const {
-  double lowest_corner = std::numeric_limits<double>::infinity();
-  double lowest_bubbles = 0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    if (a == face_axis) continue;
-    const auto [first, second] = bubbles_of(axis[a]);
-    const int bit = others[a].p == static_cast<int>(face_axis) ? 1 : 0;
-    double lowest_bubble = 0;
-    for (int edge = 0; edge < 4; ++edge) {
-      if ((edge >> bit & 1) != side) continue;
-      lowest_corner = std::min({lowest_corner, axis[a].low[edge], axis[a].high[edge]});
-      lowest_bubble = std::min({lowest_bubble, first[edge], second[edge]});
-    }
-    lowest_bubbles += lowest_bubble;
-  }
-  return lowest_corner + lowest_bubbles;
-}
-
-double CubicCell::lower_bound_on_face(std::size_t face_axis, int side) const {
-  static constexpr std::array<std::size_t, 3> stride{16, 4, 1};
-  const Bernstein coefficients = bernstein();
-  const std::size_t first = side == 0 ? 0 : 3 * stride[face_axis];
-  const std::size_t p = stride[(face_axis + 1) % 3];
-  const std::size_t q = stride[(face_axis + 2) % 3];
-  double lowest = coefficients[first];
-  for (std::size_t n = 1; n < 16; ++n) {
-    lowest = std::min(lowest, coefficients[first + n / 4 * p + n % 4 * q]);
-  }
-  return lowest;
-}
-
 double CubicCell::lipschitz_bound(const Bernstein& coefficients, const Vec3& cell_size_m) {
   // A derivative has the coefficients 3 (next - this), and one degree less along its axis; raised again to 3, all three
   // stand at the same indices.

@@ -61,13 +61,6 @@ struct CubicCell {
 
   [[nodiscard]] double lower_bound() const;
 
-  /// The same for one face: across `face_axis`, at its low (0) or high (1) side.
-  [[nodiscard]] double lower_bound_on_face(std::size_t face_axis, int side) const;
-
-  /// A cheaper bound, up to rounding no more than that: the lowest corner and the lowest bubble along each axis. It
-  /// does not fall when an edge is made linear.
-  [[nodiscard]] double rough_lower_bound_on_face(std::size_t face_axis, int side) const;
-
   /// Lipschitz bound of the polynomial with these coefficients in a cell with these edges: the longest of the
   /// gradient's own Bernstein coefficients.
   [[nodiscard]] static double lipschitz_bound(const Bernstein& coefficients, const Vec3& cell_size_m);

@@ -22,8 +22,8 @@ struct FieldSample {
 };
 
 /// A signed distance field over the box of a bone, cubic in each cell and continuous: negative inside, in metres. Made
-/// by `build_field`. On the border of its domain it is positive, so that nothing inside the bone is cut off. It has
-/// coefficients in every cell, or in those of a narrow band only. Queries are const and safe from several threads.
+/// by `build_field`. The vertices on the border of its domain are outside the bone. It has coefficients in every cell,
+/// or in those of a narrow band only. Queries are const and safe from several threads.
 class CubicField {
  public:
   CubicField(const GridShape& shape, FieldPrecision precision);

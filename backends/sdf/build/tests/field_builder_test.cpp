@@ -98,7 +98,7 @@ TEST(BuildField, CarriesNoSignThroughAHole) {
   const CubicField field = build_field(surface, shape, single_precision, 1);
   for (std::size_t k = 0; k <= 16; ++k) {
     for (std::size_t j = 0; j <= 16; ++j) {
-      for (std::size_t i = 1; i < 16; ++i) {  // faces of the border may be straightened
+      for (std::size_t i = 0; i <= 16; ++i) {
         const Vec3 cells(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
         const Vec3 point = shape.lower_m + cells.cwiseProduct(shape.cell_size_m);
         EXPECT_EQ(field.stored(*field.record(i, j, k)) < 0, surface.locate(point).inside) << point.transpose();
@@ -148,40 +148,6 @@ TEST(BuildField, MarksEveryCellWhereTheFieldIsNegative) {
     const SignedSurface surface(bone);
     const GridShape shape = grid_over(bone.mesh, {.cells = 11}, "bone");
     expect_mask_is_rigorous(build_field(surface, shape, single_precision, 1), most_flagged);
-  }
-}
-
-void expect_positive_border(const CubicField& field) {
-  const Vec3 lower = field.shape().lower_m;
-  const Vec3 extent = field.shape().upper_m() - lower;
-  constexpr int steps = 60;
-  for (int axis = 0; axis < 3; ++axis) {
-    for (int side = 0; side < 2; ++side) {
-      for (int sample = 0; sample <= steps * (steps + 2); ++sample) {
-        Vec3 share;
-        share[axis] = side == 0 ? 1e-12 : 1 - 1e-12;  // a hair inside: products may round to just outside
-        share[(axis + 1) % 3] = std::clamp(static_cast<double>(sample % (steps + 1)) / steps, 1e-12, 1 - 1e-12);
-        share[(axis + 2) % 3] = std::clamp(static_cast<double>(sample / (steps + 1)) / steps, 1e-12, 1 - 1e-12);
-        const std::optional<double> value = field.value(lower + share.cwiseProduct(extent));
-        ASSERT_TRUE(value);
-        ASSERT_GT(*value, 0) << share.transpose();
-      }
-    }
-  }
-}
-
-TEST(BuildField, IsPositiveOnItsBorder) {
-  // Few cells and edges close to the border make the cubics swing there.
-  TriangleMesh tetrahedron;
-  tetrahedron.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.05, 0.9, 1}};
-  tetrahedron.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
-  for (const RepairedMesh& bone : {surface_of(tetrahedron), surface_of(make_box({0.5, 0.5, 0.002}, 1)),
-                                   surface_of(make_capsule(0.05, 0.5, 8)), sphere_with_fin()}) {
-    const SignedSurface surface(bone);
-    for (const int cells : {1, 2, 3, 5, 8}) {
-      const GridShape shape = grid_over(bone.mesh, {.cells = cells}, "bone");
-      expect_positive_border(build_field(surface, shape, single_precision, 1));
-    }
   }
 }
 
@@ -351,7 +317,6 @@ TEST(BuildField, FemurIsWithinSomeHundredMicrometres) {
   EXPECT_LT(error.p99_m, 0.4e-3);
   EXPECT_LT(error.largest_m, 2e-3);
   EXPECT_LT(error.deepest_wrong_sign_m, 1e-3);
-  expect_positive_border(field);
 }
 
 TEST(BuildField, PelvisHasNoWrongSignsAwayFromItsSurface) {
@@ -365,7 +330,6 @@ TEST(BuildField, PelvisHasNoWrongSignsAwayFromItsSurface) {
   const FieldError error = estimate_error(field, surface, 2000);
   EXPECT_EQ(error.samples, 2000);
   EXPECT_LT(error.deepest_wrong_sign_m, field.shape().cell_size_m.norm());
-  expect_positive_border(field);
 }
 
 }  // namespace

@@ -72,24 +72,23 @@ TEST(BuildField, APartHoldsWhatTheWholeHoldsThere) {
   }
 }
 
-/// Where the bone touches the border of its domain at the cut, what is left out could change what is kept.
-TEST(BuildField, APartThatCutsTheBorderWhereTheBoneTouchesItIsTheWhole) {
+TEST(BuildField, WhereTheBoneTouchesTheBorderAPartHoldsWhatTheWholeHoldsThere) {
   const RepairedMesh bone = {make_sphere(1, 3), true, {}};
   const SignedSurface surface(bone);
   const GridShape shape = grid_over(bone.mesh, {.cells = 12}, "bone");
+  const CubicField whole = build_field(surface, shape, FieldPrecision::single_precision, 1);
   const double infinite = std::numeric_limits<double>::infinity();
-  const auto built = [&](double up_to_z) {
-    return build_field(surface, shape.part({Vec3::Constant(-infinite), Vec3(infinite, infinite, up_to_z)}),
-                       FieldPrecision::single_precision, 1);
-  };
-  EXPECT_EQ(built(0).shape(), shape);
-  EXPECT_TRUE(built(-0.7).shape().is_part());
+  for (const double up_to_z : {0.0, -0.7}) {
+    const Eigen::AlignedBox3d box(Vec3::Constant(-infinite), Vec3(infinite, infinite, up_to_z));
+    const CubicField part = build_field(surface, shape.part(box), FieldPrecision::single_precision, 1);
+    EXPECT_TRUE(part.shape().is_part());
+    expect_part_of(whole, part, box);
+  }
   EXPECT_EQ(shape.part(unbounded_box()), shape);
   EXPECT_EQ(shape.part({Vec3::Constant(5), Vec3::Constant(6)}).cell_count(), 1U);
   EXPECT_EQ(shape.part({Vec3::Constant(5), Vec3::Constant(6)}).whole(), shape);
 }
 
-/// At its corners, which touch the border, edges become linear, those of cells beside the cut among them.
 TEST(BuildField, APartThatEndsBesideATouchedBorderHoldsWhatTheWholeHoldsThere) {
   TriangleMesh octahedron{{{1.1, 0.03, 0}, {-1, 0, 0.02}, {0, 1.2, 0.07}, {0.05, -1, 0}, {0, 0.02, 1.3}, {0.04, 0, -1}},
                           {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}}};

@@ -139,40 +139,11 @@ TEST(CubicCell, NeverGoesBelowItsBound) {
       for (int j = 0; j <= steps; ++j) {
         for (int k = 0; k <= steps; ++k) {
           const Vec3 at = Vec3(i, j, k) / steps;
-          const double value = cell.value(at);
-          smallest = std::min(smallest, value);
-          for (int axis = 0; axis < 3; ++axis) {
-            if (at[axis] == 0 || at[axis] == 1) {
-              EXPECT_GE(value,
-                        cell.lower_bound_on_face(static_cast<std::size_t>(axis), static_cast<int>(at[axis])) - 1e-12);
-            }
-          }
+          smallest = std::min(smallest, cell.value(at));
         }
       }
     }
     EXPECT_GE(smallest, cell.lower_bound() - 1e-12);
-  }
-}
-
-TEST(CubicCell, TheRoughBoundOfAFaceIsOneAndDoesNotFallWhenAnEdgeIsMadeLinear) {
-  Random random;
-  for (int shape = 0; shape < 200; ++shape) {
-    const Vec3 shift = random.point();
-    const CubicCell cell = cell_of([&](const Vec3& p) { return node_noise(p) + 0.5 * node_noise(p + shift); });
-    for (std::size_t face_axis = 0; face_axis < 3; ++face_axis) {
-      for (const int side : {0, 1}) {
-        const double bound = cell.rough_lower_bound_on_face(face_axis, side);
-        EXPECT_LE(bound, cell.lower_bound_on_face(face_axis, side) + 1e-12);
-        for (int edge = 0; edge < 12; ++edge) {
-          CubicCell other = cell;
-          CubicCell::Along& along = other.axis[static_cast<std::size_t>(edge / 4)];
-          const double rise = along.high[edge % 4] - along.low[edge % 4];
-          along.first[edge % 4] = along.low[edge % 4] + rise / 3;
-          along.second[edge % 4] = along.low[edge % 4] + rise * 2 / 3;
-          EXPECT_GE(other.rough_lower_bound_on_face(face_axis, side), bound - 1e-12);
-        }
-      }
-    }
   }
 }
 
@@ -215,11 +186,7 @@ TEST(CubicCell, BernsteinCoefficientsAreThoseOfThePolynomial) {
 TEST(CubicCell, BoundIsSharpForLinearFunctions) {
   const CubicCell cell = cell_of([](const Vec3& p) { return 2 + p.x() - 3 * p.y() + 0.5 * p.z(); });
   EXPECT_NEAR(cell.lower_bound(), -1, 1e-13);
-  EXPECT_NEAR(cell.rough_lower_bound_on_face(0, 0), -1, 1e-13);
-  EXPECT_NEAR(cell.rough_lower_bound_on_face(1, 0), 2, 1e-13);
-  EXPECT_NEAR(cell.rough_lower_bound_on_face(2, 1), -0.5, 1e-13);
   EXPECT_NEAR(CubicCell::lipschitz_bound(cell.bernstein(), Vec3::Ones()), Vec3(1, -3, 0.5).norm(), 1e-13);
-  EXPECT_NEAR(cell.lower_bound_on_face(1, 0), 2, 1e-13);
 }
 
 }  // namespace
