@@ -68,9 +68,20 @@ class CgalBone {
   bool m_accelerates;
 };
 
-auto bone_maker(const Parameters& parameters) {
-  return [starts_warm = parameters.flag("warm_start"), accelerates = parameters.flag("accelerate")](const Bone& bone) {
+auto bone_maker(bool starts_warm, bool accelerates) {
+  return [starts_warm, accelerates](const Bone& bone) {
     return std::make_unique<const CgalBone>(bone, starts_warm, accelerates);
+  };
+}
+
+auto bone_maker(const Parameters& parameters) {
+  return bone_maker(parameters.flag("warm_start"), parameters.flag("accelerate"));
+}
+
+/// A second judge of exact backends: predicates are exact, and the code is not ours.
+SignedDistance cgal_signed_distance(const Bone& bone, int threads) {
+  return [queries = queries_on_triangles(bone_maker(true, true))(bone, threads)](const Vec3& point) {
+    return queries->locate(point, -1).signed_distance_m;
   };
 }
 
@@ -98,6 +109,7 @@ BackendEntry cgal_entry() {
                                           .help = "begin with the triangle that was closest to the node last"}),
                          cull_parameter(), clearance_cache_parameter()},
           .make = make_cgal_backend,
+          .signed_distance = cgal_signed_distance,
           .make_muscle_detector = make_cgal_muscle_detector,
           .make_surface_queries = [](const Parameters& parameters) {
             return queries_on_triangles(bone_maker(parameters));

@@ -200,7 +200,7 @@ SurfaceVerification verify_surface(const Bone& bone, const VerificationSettings&
   result.agreed_m = agreed_difference_m(mesh);
   result.pairs.push_back(compare(points, of_exact, of_referee, result.agreed_m));
   for (const BackendEntry& other : backend_registry()) {
-    if (other.exact && other.signed_distance && &other != &exact) {
+    if (other.can_judge(bone) && &other != &exact) {
       const SignedDistance by_other = other.signed_distance(bone, settings.threads);
       Answers of_other{other.name, std::vector<double>(few.size())};
       answer_all(few, settings, other.name, 64, progress,

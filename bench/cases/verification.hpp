@@ -13,7 +13,8 @@ struct VerificationSettings {
   /// Points at which the first exact backend and the Referee are compared. About a surface that is not closed 1/50 of
   /// them: there each winding number of the Referee costs time in proportion to the number of boundary edges.
   std::int64_t points = 1'000'000;
-  std::int64_t brute_force_points = 10'000;  ///< the first of them, where both are compared with the other exact ones
+  std::int64_t brute_force_points =
+      10'000;  ///< the first of them, where both are compared with the others that can judge the bone
   std::uint64_t seed = 1;
   int threads = 1;
 };
@@ -39,8 +40,9 @@ struct Agreement {
 
 struct SurfaceVerification {
   double diagonal_m = 0;
-  double agreed_m = 0;           ///< largest difference between two answers
-  std::vector<Agreement> pairs;  ///< the first exact backend and the Referee; then each of them and the other backends
+  double agreed_m = 0;  ///< largest difference between two answers
+  std::vector<Agreement>
+      pairs;  ///< the first exact backend and the Referee; then each of them and the others that can judge the bone
   double seconds = 0;
 
   [[nodiscard]] bool holds(const Agreement& agreement) const;

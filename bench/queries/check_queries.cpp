@@ -65,7 +65,7 @@ std::vector<QuerySetCheck> check_query_set(const QuerySet& set) {
   }
   std::vector<QuerySetCheck> checks;
   for (const BackendEntry& backend : backend_registry()) {
-    if (!backend.exact || !backend.signed_distance) continue;
+    if (!std::ranges::all_of(bones, [&](const Bone& bone) { return backend.can_judge(bone); })) continue;
     std::vector<SignedDistance> distances;
     for (const Bone& bone : bones) distances.push_back(backend.signed_distance(bone, 1));
     const bool is_slow = &backend != &exact_backend();

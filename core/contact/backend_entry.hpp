@@ -63,8 +63,13 @@ struct BackendEntry {
   std::map<std::string, ParameterValue> for_points = {};
   /// Makes the backend. May throw InputError for a combination of parameters that it does not support.
   std::function<std::unique_ptr<CollisionBackend>(const Parameters&)> make = nullptr;
-  /// For an exact backend: builds the signed distance over one bone, which must outlive it. `verify` compares it.
+  /// Builds the signed distance over one bone, which must outlive it. `verify` and query sets compare it. An exact
+  /// backend has it; another one may have it if it is exact over clean bones.
   std::function<SignedDistance(const Bone& bone, int threads)> signed_distance = nullptr;
+  /// Whether `signed_distance` is exact over this bone.
+  [[nodiscard]] bool can_judge(const Bone& bone) const {
+    return signed_distance != nullptr && (exact || bone.surface.clean);
+  }
   /// Makes a detector of contacts between muscles. Empty if the backend cannot follow deforming surfaces.
   MakeMuscleContactDetector make_muscle_detector = nullptr;
   /// What contact of faces with bones asks (`--for faces=NAME`). Empty if the backend tells no distance outside. Throws
