@@ -30,7 +30,8 @@ BackendEntry bvh_entry() {
             return [surface](const Vec3& point) { return surface->signed_distance_m(point); };
           },
           .make_muscle_detector = make_bvh_muscle_detector,
-          .make_surface_queries = [](const Parameters& /*parameters*/) -> MakeSurfaceQueries {
+          .make_surface_queries = [](const Parameters& /*parameters*/,
+                                     std::span<const Bone> /*bones*/) -> MakeSurfaceQueries {
             return [](const Bone& bone, int /*threads*/) { return exact_surface_queries(bone); };
           }};
 }

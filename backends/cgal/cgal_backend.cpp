@@ -111,7 +111,7 @@ BackendEntry cgal_entry() {
           .make = make_cgal_backend,
           .signed_distance = cgal_signed_distance,
           .make_muscle_detector = make_cgal_muscle_detector,
-          .make_surface_queries = [](const Parameters& parameters) {
+          .make_surface_queries = [](const Parameters& parameters, std::span<const Bone> /*bones*/) {
             return queries_on_triangles(bone_maker(parameters));
           }};
 }

@@ -52,7 +52,7 @@ class RebuiltTree final : public DeformingStructure {
                          distance_m * (1 - length_rounding) > wanted.excess_travel_m ||
                          (*m_side)(query) != CGAL::ON_BOUNDED_SIDE;
     if (is_free) return {distance_m};
-    return first_of_ties(point, distance_m);
+    return first_of_ties(point, {0, guess, closest}, distance_m);
   }
 
   [[nodiscard]] std::size_t bytes() const override { return sizeof(*this) + cgal_bytes(m_surface.mesh, false); }
@@ -60,18 +60,16 @@ class RebuiltTree final : public DeformingStructure {
  private:
   /// CGAL tells any of several triangles at the same distance. What a contact moves may not depend on the order in
   /// which its tree was built.
-  [[nodiscard]] MuscleAnswer first_of_ties(const Vec3& point, double distance_m) const {
+  [[nodiscard]] MuscleAnswer first_of_ties(const Vec3& point, MuscleAnswer first, double distance_m) const {
     const Vec3 reach = Vec3::Constant(distance_m * (1 + length_rounding));
     const Vec3 low = point - reach;
     const Vec3 high = point + reach;
-    MuscleAnswer first;
     const auto look = [&](const CgalMesh::Face_index& face) {
       const auto triangle = static_cast<int>(face.idx());
       const ClosestOnTriangle other = on_triangle(point, triangle);
       const double squared = first.closest.squared_distance_m2;
       const bool is_earlier = m_first_triangle + triangle < first.triangle;
-      if (first.triangle < 0 || other.squared_distance_m2 < squared ||
-          (other.squared_distance_m2 == squared && is_earlier)) {
+      if (other.squared_distance_m2 < squared || (other.squared_distance_m2 == squared && is_earlier)) {
         first = {0, m_first_triangle + triangle, other};
       }
     };

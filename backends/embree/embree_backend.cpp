@@ -87,7 +87,7 @@ BackendEntry embree_entry() {
                          cull_parameter(), clearance_cache_parameter()},
           .make = make_embree_backend,
           .make_muscle_detector = make_embree_muscle_detector,
-          .make_surface_queries = [](const Parameters& parameters) {
+          .make_surface_queries = [](const Parameters& parameters, std::span<const Bone> /*bones*/) {
             return queries_on_triangles(bone_maker(parameters));
           }};
 }

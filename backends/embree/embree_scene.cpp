@@ -221,7 +221,9 @@ std::optional<double> EmbreeScene::way_out_m(const Vec3& from, const Vec3& direc
   const double rises = normal.dot(direction);
   if (!(rises > 0)) return std::nullopt;
   const double way_m = normal.dot(a - from) / rises;
-  return way_m <= length_m ? std::optional(std::max(way_m, 0.0)) : std::nullopt;
+  // Along a triangle that is almost parallel to the way rounding moves the point where its plane is met.
+  const bool is_sure = std::abs(way_m - static_cast<double>(ray.ray.tfar)) < rounding_units * m_rounding_m;
+  return is_sure && way_m <= length_m ? std::optional(std::max(way_m, 0.0)) : std::nullopt;
 }
 
 int EmbreeScene::windings_along(const std::array<float, 3>& from, const std::array<float, 3>& direction) const {

@@ -206,16 +206,22 @@ BackendChoice choose_between_muscles(const std::optional<NamedBackend>& named) {
   return choice;
 }
 
-std::optional<BackendChoice> choose_for_faces(const std::optional<NamedBackend>& named) {
+std::optional<BackendChoice> choose_for_faces(const std::optional<NamedBackend>& named, std::span<const Bone> bones) {
   if (!named) return std::nullopt;
+  for (const auto& [name, value] : named->given) {
+    const ParameterSpec* spec = find_parameter(named->entry->parameters, name);
+    if (name == "cull" || spec->role == ParameterRole::clearance_cache || spec->role == ParameterRole::storage) {
+      throw InputError(named->parameters_location, fmt::format("'{}' changes nothing for faces; leave it out", name));
+    }
+  }
   if (!named->entry->make_surface_queries) {
     throw InputError(named->location,
-                     fmt::format("'{}' tells no distance outside of bones; for faces take {}", named->entry->name,
+                     fmt::format("'{}' does not answer for faces; take {}", named->entry->name,
                                  fmt::join(backends_that_have(&BackendEntry::make_surface_queries), ", ")));
   }
   BackendChoice choice = named->choice();
   try {
-    (void)choice.entry->make_surface_queries(choice.parameters);  // refuses before anything is built
+    (void)choice.entry->make_surface_queries(choice.parameters, bones);  // refuses before anything is built
   } catch (const InputError& error) {
     throw InputError(named->parameters_location, error.what());
   }
@@ -244,7 +250,7 @@ ColliderBackends choose_collider_backends(const std::vector<std::string>& option
     const std::string name = pair_name(name_of(scene, pair.muscles.first), name_of(scene, pair.muscles.second));
     result.of_muscle_pairs.push_back(choose_between_muscles(find_named(chosen, {name, all_muscles}, pair.backend)));
   }
-  result.of_faces = choose_for_faces(find_named(chosen, {all_faces}, {}));
+  result.of_faces = choose_for_faces(find_named(chosen, {all_faces}, {}), scene.bones);
   return result;
 }
 
@@ -323,7 +329,7 @@ std::vector<std::unique_ptr<MuscleContactDetector>> make_muscle_detectors(const 
 ContactMethods make_contact_methods(const Scene& scene, const ColliderBackends& colliders, int threads) {
   ContactMethods methods{make_muscle_detectors(scene, colliders, threads)};
   if (const auto& choice = colliders.of_faces) {
-    methods.make_surface_queries = choice->entry->make_surface_queries(choice->parameters);
+    methods.make_surface_queries = choice->entry->make_surface_queries(choice->parameters, scene.bones);
   }
   return methods;
 }

@@ -81,6 +81,15 @@ class CaseRunner {
     for (const auto& detector : methods.muscle_detectors) {
       m_result.muscle_structure_bytes += detector->structure_bytes();
     }
+    if (methods.make_surface_queries) {
+      methods.make_surface_queries = [this, make = methods.make_surface_queries](const Bone& bone, int threads) {
+        const Nanoseconds begun_ns = monotonic_now_ns();
+        auto queries = make(bone, threads);
+        m_result.face_build_ns += monotonic_now_ns() - begun_ns;
+        m_result.face_structure_bytes += queries->bytes();
+        return queries;
+      };
+    }
 
     PreparedSimulation prepared =
         prepare_simulation(m_run.scene, *m_backend, m_run.responses, m_run.threads, std::move(methods));

@@ -57,7 +57,9 @@ struct RunResult {
   ForceObstacles force_obstacles;  ///< why some are missing
   std::vector<BoundNode> bound_nodes;
   std::size_t structure_bytes = 0;
-  std::size_t muscle_structure_bytes = 0;        ///< of what detects contacts between muscles
+  std::size_t muscle_structure_bytes = 0;  ///< of what detects contacts between muscles
+  std::size_t face_structure_bytes = 0;    ///< of what answers for faces (`--for faces`)
+  Nanoseconds face_build_ns = 0;           ///< to build that; of a bone that is met late it is within a frame, too
   std::vector<StructureError> structure_errors;  ///< of backends that approximate
   std::vector<PrunedResult> pruned;
   StructureOrigin structures = {};

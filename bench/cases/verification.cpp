@@ -12,6 +12,7 @@
 #include "core/base/input_error.hpp"
 #include "core/base/random_numbers.hpp"
 #include "core/mesh/surface_sampler.hpp"
+#include "core/mesh_repair/repair_mesh.hpp"
 #include "core/referee/referee.hpp"
 #include "core/signed_distance/signed_surface.hpp"
 
@@ -200,7 +201,8 @@ SurfaceVerification verify_surface(const Bone& bone, const VerificationSettings&
   result.agreed_m = agreed_difference_m(mesh);
   result.pairs.push_back(compare(points, of_exact, of_referee, result.agreed_m));
   for (const BackendEntry& other : backend_registry()) {
-    if (other.can_judge(bone) && &other != &exact) {
+    if (!other.signed_distance || &other == &exact) continue;
+    if (other.exact || is_clean(mesh)) {
       const SignedDistance by_other = other.signed_distance(bone, settings.threads);
       Answers of_other{other.name, std::vector<double>(few.size())};
       answer_all(few, settings, other.name, 64, progress,

@@ -58,8 +58,9 @@ std::vector<Vec3> points_about(const TriangleMesh& mesh, std::int64_t count, std
 /// Work that has been done, of the whole of one stage.
 using VerificationProgress = std::function<void(const std::string& stage, int done, int total)>;
 
-/// Compares the exact backends of this build and the Referee about one surface. The result does not depend on the
-/// number of threads. Throws InputError where the surface has no triangles or the build no exact backend.
+/// Compares the exact backends of this build, those that are exact about this surface, and the Referee. The result does
+/// not depend on the number of threads. Throws InputError where the surface has no triangles or the build no exact
+/// backend.
 SurfaceVerification verify_surface(const Bone& bone, const VerificationSettings& settings,
                                    const VerificationProgress& progress);
 

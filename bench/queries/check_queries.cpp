@@ -7,6 +7,7 @@
 #include "bench/cases/verification.hpp"
 #include "core/base/percentile.hpp"
 #include "core/mesh/mesh_size.hpp"
+#include "core/mesh_repair/repair_mesh.hpp"
 
 namespace musclebench {
 
@@ -65,7 +66,9 @@ std::vector<QuerySetCheck> check_query_set(const QuerySet& set) {
   }
   std::vector<QuerySetCheck> checks;
   for (const BackendEntry& backend : backend_registry()) {
-    if (!std::ranges::all_of(bones, [&](const Bone& bone) { return backend.can_judge(bone); })) continue;
+    if (!backend.signed_distance) continue;
+    const auto is_clean_bone = [](const Bone& bone) { return is_clean(bone.surface.mesh); };
+    if (!backend.exact && !std::ranges::all_of(bones, is_clean_bone)) continue;
     std::vector<SignedDistance> distances;
     for (const Bone& bone : bones) distances.push_back(backend.signed_distance(bone, 1));
     const bool is_slow = &backend != &exact_backend();

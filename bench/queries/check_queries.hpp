@@ -32,7 +32,8 @@ struct QuerySetCheck {
   }
 };
 
-/// Asks every exact backend of this build about the set: the first about all queries, the slower ones about some 2,000.
+/// Asks every exact backend of this build about the set, and where all bones are clean those that are exact there. The
+/// first is asked about all queries, the others about some 2,000.
 std::vector<QuerySetCheck> check_query_set(const QuerySet& set);
 
 /// How far the stored closest points are from where they say, at most: |point - closest| less |distance|, in metres.

@@ -140,6 +140,8 @@ constexpr auto own_keys = std::to_array<ManifestKey>({
     of_run("bound_nodes", "", "of all attachments, each once"),
     everywhere("structure_bytes", "bytes", "of the backend's structures"),
     of_run_and_replay("muscle_structure_bytes", "bytes", "of what detects contacts between muscles"),
+    of_run("face_structure_bytes", "bytes", "of what answers for faces, where it is not the exact distance"),
+    of_run("face_build_ns", "ns", "to build that; of a bone that is met late it is within a frame, too"),
     of_replay("muscle_build_ns", "ns", "building it"),
     of_run_and_replay("pruned[].bone", "", "over which nothing, or a part only, was built before the first frame"),
     of_run_and_replay("pruned[].reason", "",

@@ -170,6 +170,8 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["bound_nodes"] = result.bound_nodes.size();
   json["structure_bytes"] = result.structure_bytes;
   json["muscle_structure_bytes"] = result.muscle_structure_bytes;
+  json["face_structure_bytes"] = result.face_structure_bytes;
+  json["face_build_ns"] = result.face_build_ns;
   json["pruned"] = json_of(result.pruned, run.scene);
   json["structure_errors"] = json_of_structure_errors(result);
   add_origin(json, result.structures);

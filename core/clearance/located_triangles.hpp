@@ -220,6 +220,8 @@ class TriangleQueries final : public SurfaceQueries {
     return {std::max(closest.distance_m - m_surface.answer_bound().storage_m, 0.0), closest.triangle};
   }
 
+  [[nodiscard]] std::size_t bytes() const override { return m_surface.bytes(); }
+
   [[nodiscard]] std::optional<double> way_out_m(const Vec3& from, const Vec3& direction, double length_m, int near,
                                                 std::vector<PathCrossing>& scratch) const override {
     if constexpr (requires { m_surface.library().way_out_m(from, direction, length_m); }) {

@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -64,17 +65,13 @@ struct BackendEntry {
   /// Makes the backend. May throw InputError for a combination of parameters that it does not support.
   std::function<std::unique_ptr<CollisionBackend>(const Parameters&)> make = nullptr;
   /// Builds the signed distance over one bone, which must outlive it. `verify` and query sets compare it. An exact
-  /// backend has it; another one may have it if it is exact over clean bones.
+  /// backend has it; another one may have it if it is exact over clean bones (`is_clean`).
   std::function<SignedDistance(const Bone& bone, int threads)> signed_distance = nullptr;
-  /// Whether `signed_distance` is exact over this bone.
-  [[nodiscard]] bool can_judge(const Bone& bone) const {
-    return signed_distance != nullptr && (exact || bone.surface.clean);
-  }
   /// Makes a detector of contacts between muscles. Empty if the backend cannot follow deforming surfaces.
   MakeMuscleContactDetector make_muscle_detector = nullptr;
-  /// What contact of faces with bones asks (`--for faces=NAME`). Empty if the backend tells no distance outside. Throws
-  /// InputError for parameters that it does not support.
-  std::function<MakeSurfaceQueries(const Parameters&)> make_surface_queries = nullptr;
+  /// What contact of faces with bones asks (`--for faces=NAME`). Empty if the backend does not offer it. Throws
+  /// InputError for parameters that do not fit the bones.
+  std::function<MakeSurfaceQueries(const Parameters&, std::span<const Bone> bones)> make_surface_queries = nullptr;
   StructureExport structure_export = {};
   std::string study = {};  ///< the text of its study.toml; the build fills it in
 };

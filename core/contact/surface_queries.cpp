@@ -27,6 +27,8 @@ class ExactQueries final : public SurfaceQueries {
     return scratch.front().share * length_m;
   }
 
+  [[nodiscard]] std::size_t bytes() const override { return sizeof(*this); }
+
  private:
   std::shared_ptr<const SignedSurface> m_surface;
 };
@@ -40,7 +42,11 @@ std::optional<double> SurfaceQueries::way_out_m(const Vec3& from, const Vec3& di
   double gone_m = 0;
   for (int step = 0; step < most_steps && gone_m <= length_m; ++step) {
     const SurfaceAnswer here = locate(from + gone_m * direction, near);
-    if (here.signed_distance_m > -close_m) return gone_m;
+    if (here.signed_distance_m > -close_m) {
+      // Under the surface of another part the distance is 0, too.
+      const SurfaceAnswer behind = locate(from + (gone_m + 20 * close_m) * direction, here.near);
+      return behind.signed_distance_m < 0 ? std::nullopt : std::optional(gone_m);
+    }
     gone_m -= here.signed_distance_m;
     near = here.near;
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -50,6 +51,9 @@ class SurfaceQueries {
   /// one query to the next.
   [[nodiscard]] virtual std::optional<double> way_out_m(const Vec3& from, const Vec3& direction, double length_m,
                                                         int near, std::vector<PathCrossing>& scratch) const;
+
+  /// Memory that only these queries need. What all users of the bone share is not counted.
+  [[nodiscard]] virtual std::size_t bytes() const = 0;
 };
 
 /// Builds the queries over a bone, which outlives them. May use `threads` threads.

@@ -229,4 +229,13 @@ RepairedMesh repair_mesh(const TriangleMesh& mesh, const std::string& name) {
   return repaired;
 }
 
+bool is_clean(const TriangleMesh& mesh) {
+  try {
+    const RepairedMesh repaired = repair_mesh(mesh, "");
+    return repaired.clean && repaired.changes.empty();
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 }  // namespace musclebench

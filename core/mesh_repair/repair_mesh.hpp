@@ -40,4 +40,7 @@ struct RepairedMesh {
 /// InputError that names `name` if no triangle has an area, or if the surface is too open. Safe from several threads.
 RepairedMesh repair_mesh(const TriangleMesh& mesh, const std::string& name);
 
+/// Whether a mesh is clean (RepairedMesh::clean) as it is, without repair. Takes as long as a repair.
+bool is_clean(const TriangleMesh& mesh);
+
 }  // namespace musclebench

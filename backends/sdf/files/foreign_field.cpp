@@ -170,10 +170,7 @@ class ForeignField {
       for (std::size_t m = 0; m < n; ++m) {
         const double one = value(cell, n);
         const double other = value(cell, m);
-        // A linear edge has no information beyond its ends, which are compared, too.
-        if (!(std::abs(one - other) > m_most_m[n][m]) || is_straight(cell, n) || is_straight(cell, m)) {
-          continue;
-        }
+        if (!(std::abs(one - other) > m_most_m[n][m])) continue;
         if (std::abs(std::abs(one) - std::abs(other)) > m_most_m[n][m]) {
           refuse(
               fmt::format("is damaged: two nodes of cell {} {} {} hold {:.3g} m and {:.3g} m, which differ by more "
@@ -188,17 +185,6 @@ class ForeignField {
         require_side(cell, n);
       }
     }
-  }
-
-  [[nodiscard]] bool is_straight(const CellIndex& cell, std::size_t node) const {
-    const auto& [corner, axis, thirds] = m_nodes[node];
-    if (thirds == 0) {
-      return false;
-    }
-    const std::size_t from = corner[0] + 2 * corner[1] + 4 * corner[2];
-    const double low = value(cell, from);
-    const double high = value(cell, from + (std::size_t{1} << axis));
-    return std::abs(value(cell, node) - (low + (high - low) * static_cast<double>(thirds) / 3)) <= m_slack_m;
   }
 
   void require_side(const CellIndex& cell, std::size_t node) {

@@ -132,7 +132,9 @@ TEST(ColliderBackends, WhatCannotBeIsRefused) {
   expect_mentions(refusal(apart, "muscles=bvh"), {"--for muscles=bvh", "no muscles of this scene touch"});
   expect_mentions(refusal(apart, "faces=bvh"), {"--for faces=bvh", "[effects.surface_contact]"});
   const Scene faces = read_scene(request("[effects.surface_contact]\n" + both()));
-  expect_mentions(refusal(faces, "faces=voxel"), {"--for faces=voxel", "tells no distance outside", "bvh", "sdf"});
+  expect_mentions(refusal(faces, "faces=voxel"), {"--for faces=voxel", "does not answer for faces", "bvh", "sdf"});
+  expect_mentions(refusal(faces, "faces=sdf:clearance_cache=off"), {"'clearance_cache' changes nothing for faces"});
+  expect_mentions(refusal(faces, "faces=sdf:cell_size_m=10"), {"--for faces=sdf:cell_size_m=10"});
   expect_mentions(refusal(faces, "faces=sdf:band_m=0.01"), {"--for faces=sdf:band_m=0.01", "leave out band_m"});
   const std::string named = both() + pair("ball", "bar", "backend = \"sdf\"");
   for (const std::string& text : {named, "[contact]\nmuscle_contact = true\nmuscle_backend = \"sdf\"\n" + both()}) {

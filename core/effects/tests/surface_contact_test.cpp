@@ -174,6 +174,7 @@ class FormulaOfRoof final : public SurfaceQueries {
   [[nodiscard]] Clearance clearance(const Vec3& point, int /*near*/) const override {
     return {std::abs(depth_in_roof_m(point)), 7};
   }
+  [[nodiscard]] std::size_t bytes() const override { return 0; }
 };
 
 TEST(SurfaceContact, AsksTheQueriesThatItIsGiven) {

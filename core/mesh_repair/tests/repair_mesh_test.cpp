@@ -79,6 +79,21 @@ TEST(RepairMesh, LeavesACleanMeshAsItIs) {
   }
 }
 
+TEST(RepairMesh, OnlyWhatNeedsNoRepairIsClean) {
+  const TriangleMesh box = make_box({1, 2, 3}, 2);
+  EXPECT_TRUE(is_clean(box));
+  TriangleMesh open = box;
+  open.triangles.pop_back();
+  EXPECT_FALSE(is_clean(open));
+  TriangleMesh inverted = box;
+  for (Triangle& triangle : inverted.triangles) std::swap(triangle[1], triangle[2]);
+  EXPECT_FALSE(is_clean(inverted));
+  TriangleMesh loose = box;
+  loose.vertices.emplace_back(0, 0, 0);
+  EXPECT_FALSE(is_clean(loose));
+  EXPECT_FALSE(is_clean({}));
+}
+
 TEST(RepairMesh, TurnsAnInvertedBoxOutwards) {
   const TriangleMesh box = make_box(Vec3(1, 2, 3), 3);
   const RepairedMesh repaired = repair_mesh(inverted(box), "bone");
