@@ -18,7 +18,7 @@ def test_verify_holds_and_says_so(folder):
     assert done.returncode == 0, done.stderr
     lines = done.stdout.splitlines()
     rows = [line.split() for line in lines if line.startswith("box ")]
-    assert len(rows) == 6
+    assert len([row for row in rows if "cgal" not in row]) == 6  # a build with CGAL has one judge more
     assert {row[1] for row in rows} == {"repaired", "as"}
     assert lines[-1] == "held"
 
@@ -31,7 +31,7 @@ def test_verify_json_has_the_rows_of_the_table(folder):
     pairs = [(surface["bone"], str(pair["points"]), str(pair["inside"]), str(pair["sign_differences"]))
              for surface in printed["surfaces"] for pair in surface["pairs"]]
     rows = [line.split() for line in table.stdout.splitlines() if line.startswith("box ")]
-    assert pairs == [(row[0], row[-5], row[-4], row[-2]) for row in rows] and len(pairs) == 6
+    assert pairs == [(row[0], row[-5], row[-4], row[-2]) for row in rows] and len(pairs) >= 6
     assert printed["held"] and all(surface["held"] for surface in printed["surfaces"])
 
 
