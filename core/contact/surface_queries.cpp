@@ -1,5 +1,6 @@
 #include "core/contact/surface_queries.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace musclebench {
@@ -11,13 +12,13 @@ class ExactQueries final : public SurfaceQueries {
   explicit ExactQueries(std::shared_ptr<const SignedSurface> surface) : m_surface(std::move(surface)) {}
 
   [[nodiscard]] SurfaceAnswer locate(const Vec3& point, int near) const override {
-    const SignedPoint located = m_surface->locate_from(point, near);
+    const SignedPoint located = m_surface->locate_from(point, std::max(near, 0));
     return {located.signed_distance_m(), m_surface->outward(point, located), located.closest.point,
             located.closest.triangle};
   }
 
   [[nodiscard]] Clearance clearance(const Vec3& point, int near) const override {
-    return m_surface->tree().clearance_from(point, near);
+    return m_surface->tree().clearance_from(point, std::max(near, 0));
   }
 
   [[nodiscard]] std::optional<double> way_out_m(const Vec3& from, const Vec3& direction, double length_m, int /*near*/,
