@@ -77,6 +77,7 @@ class RebuiltTree final : public DeformingStructure {
                                       boost::make_function_output_iterator(look));
     return first;
   }
+
   [[nodiscard]] ClosestOnTriangle on_triangle(const Vec3& point, int triangle) const {
     const auto& [a, b, c] = m_triangles[static_cast<std::size_t>(triangle)];
     return closest_on_triangle(point, m_positions[static_cast<std::size_t>(a)],

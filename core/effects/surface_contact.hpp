@@ -15,8 +15,9 @@ namespace musclebench {
 ///
 /// Points are searched for every `interval` collision steps; in between the planes move with their bones, but for those
 /// at sharp vertices, which are followed. Depth that was there when the substep began gives no velocity. The distance
-/// is exact, whatever the backend: only triangles near a bone are queried (ClearanceCache). Searches start at a few
-/// points of a triangle, and so may miss one between them where a bone is narrower than a fraction of the triangle.
+/// is exact, whatever backend finds contacts of nodes, unless `StageInput::make_surface_queries` says who answers
+/// (`--for faces`). Only triangles near a bone are queried (ClearanceCache). Searches start at a few points of a
+/// triangle, and so may miss one between them where a bone is narrower than a fraction of the triangle.
 std::unique_ptr<ContactStage> make_surface_contact(const StageInput& input, const Parameters& parameters);
 std::vector<ParameterSpec> surface_contact_parameters();
 
