@@ -14,9 +14,9 @@ def configuration(backend, parameters, threads=1):
 
 def test_resolved_and_asked_parameters_are_the_same_configuration():
     asked = configuration("sdf", {"cells": "128"})
-    resolved = configuration("sdf", {"cells": 128, "cell_size_m": 0.0, "precision": "float", "margin": 0.001,
+    resolved = configuration("sdf", {"cells": 128, "cell_size_m": 0.0, "margin": 0.001,
                                      "structures": "/somewhere"})
-    assert asked == resolved and asked.name == "sdf 128" and asked.series == "sdf float cells"
+    assert asked == resolved and asked.name == "sdf 128" and asked.series == "sdf cells"
     assert configuration("fcl", SURFACES) == configuration("fcl", {}) == Configuration("fcl")
 
 
@@ -29,14 +29,14 @@ def test_cubes_are_a_series_of_their_own_whatever_the_count_of_cells():
 
 def test_adaptive_cells_are_a_series_by_the_error_that_is_wanted():
     adaptive = configuration("sdf", {"cells": 64, "cell_size_m": 0.0, "max_error_mm": 0.05})
-    assert adaptive.series == "sdf float adaptive" and adaptive.name == "sdf to 0.05 mm" and adaptive.cells is None
-    assert adaptive == configuration("sdf", {"max_error_mm": "0.05", "precision": "float"})
+    assert adaptive.series == "sdf adaptive" and adaptive.name == "sdf to 0.05 mm" and adaptive.cells is None
+    assert adaptive == configuration("sdf", {"max_error_mm": "0.05"})
     assert adaptive.fineness > configuration("sdf", {"max_error_mm": 0.3}).fineness
 
 
 def test_clearance_cache_make_a_curve_or_point_of_their_own():
     assert configuration("sdf", {"clearance_cache": "on"}) == configuration("sdf", {})
-    assert configuration("sdf", {"clearance_cache": "off"}).series == "sdf float cells no cache"
+    assert configuration("sdf", {"clearance_cache": "off"}).series == "sdf cells no cache"
     assert configuration("bvh", {"clearance_cache": "off"}).name == "bvh no cache"
     assert configuration("fcl", {"query": "node_distance"}).name == "fcl node distance"
 
