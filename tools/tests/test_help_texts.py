@@ -17,7 +17,7 @@ from program import call, needs_program
 
 TOOLS = Path(__file__).resolve().parent.parent
 BY_ARGPARSE = sorted(path.stem for path in (TOOLS / "musclebench" / "options").glob("*.py") if path.stem not in ("shared", "__init__"))
-BY_SHELL = ("build", "lint", "setup", "test")
+BY_SHELL = ("build", "lines", "lint", "setup", "test")
 SCRIPTS = ("import_lhdl.py",)
 COMMANDS = ("", "advise", "check", "field", "hard", "list", "probe", "queries", "record", "replay", "run", "verify")
 MOST_WORDS = 28
