@@ -52,7 +52,8 @@ def write_tables(sweep: Sweep, options, out_dir: Path) -> tuple[pd.DataFrame, pd
     rows = pd.read_csv(out_dir / "matrix.csv", keep_default_na=False)
     cells = cells_of(rows)
     files = [out_dir / "matrix.csv", out_dir / "matrix.md"]
-    page = [f"# {sweep.file.title}", *filter(None, [caveats(out_dir)]), *(made(cells) for made in (hard_tables.matrix, hard_tables.beyond, hard_tables.unasked)),
+    page = [f"# {sweep.file.title}", *filter(None, [caveats(out_dir)]),
+            *(made(cells) for made in (hard_tables.matrix, hard_tables.beyond, hard_tables.unasked)),
             hard_tables.texts(cases)]
     write_whole(files[1], "\n\n".join(page) + "\n")
     for name, table in (("cells", cells), ("cases", cases)):

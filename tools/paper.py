@@ -23,6 +23,7 @@ from musclebench.results.disturbance import note
 from musclebench.tables import muscle_tables, paper_tables, smoothness_table, table_formats
 from musclebench.results.status import MEASURED
 
+
 def write_report(out_dir: Path, names: list[str]) -> tuple[list[run_folder.Run], list[paper_tables.Table], list[Path]]:
     """Tables and figures drawn from numbers."""
     runs = run_folder.read_all([out_dir / "raw" / name for name in names])

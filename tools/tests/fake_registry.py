@@ -93,8 +93,8 @@ def survey_record(scene: str, frames: int) -> dict:
     motion = {"axis": [-1, 0, 0], "centre_m": [0, 0, 0], "times": [0, 1], "angles_rad": [0, 1.5708],
               "there_and_back": True}
     return {"schema_version": 2, "build": {"git": "abc"}, "machine": {"cpu": "A processor", "cores": 2},
-            "case": {"scene": scene, "preset": "paper", "effects": dict.fromkeys(OWN_EFFECTS, {}), "loop": {
-        "frames": frames, "rest_frames": 0, "substeps": 3, "iterations": 1, "time_step_s": 1e-3}},
+            "case": {"scene": scene, "preset": "paper", "effects": dict.fromkeys(OWN_EFFECTS, {}),
+                     "loop": {"frames": frames, "rest_frames": 0, "substeps": 3, "iterations": 1, "time_step_s": 1e-3}},
             "muscle": {"vertices": NODES.get(scene.split("/")[-1], 1000), "mesh_sha256": "00aa"},
             "bones": [{"name": "pelvis", "motion": {"angles_rad": []}}, {"name": "femur", "motion": motion}]}
 

@@ -64,7 +64,8 @@ def passing(points, triangles, others, other_triangles) -> int:
     own = edges_of(triangles)
     crossing = {tuple(edge) for edge in own[piercing(points, own, others, other_triangles, same)[0]].tolist()}
     for number, triangle in enumerate(np.sort(triangles, axis=1).tolist()):
-        if any(edge in crossing for edge in combinations(triangle, 2)): hit.add(number)
+        if any(edge in crossing for edge in combinations(triangle, 2)):
+            hit.add(number)
     return len(hit)
 
 

@@ -41,7 +41,8 @@ def test_one_run_varies_by_its_frames_only():
 
 def test_what_was_disturbed_or_judged_is_told_and_what_failed_is_no_time():
     table = spread_table({"a": [run("a-r0", [1.0] * 9, switches=500), run("a-r1", [1.0] * 9)],
-                          "b": [run("b-r0", [2.0] * 9, judged=True)], "d": [run("d-r0", [4.0] * 9, judged=True), run("d-r1", [5.0] * 9)], "c": [run("c-r0", [3.0] * 9, status="diverged")]})
+                          "b": [run("b-r0", [2.0] * 9, judged=True)],
+                          "d": [run("d-r0", [4.0] * 9, judged=True), run("d-r1", [5.0] * 9)], "c": [run("c-r0", [3.0] * 9, status="diverged")]})
     assert list(table.rows["case"]) == ["a *", "b", "d"] and list(table.rows["disturbed"]) == [1, 0, 0]
     assert list(table.rows["frame_ms"]) == [1, 2, 5]
     assert "interrupted 500 times a second" in table.caption and JUDGED in table.caption

@@ -190,4 +190,3 @@ def test_random_scenes_break_nothing_that_is_not_known(tmp_path):
         assert done.returncode == (1 if wrong else 0) and f"{count} random scenes from seed {first}" in done.stdout
         for seed in wrong:
             assert f"musclebench hard --fuzz 1 --seed {seed}" in done.stdout and (tmp_path / f"seed-{seed}" / "scene.toml").exists()
-

@@ -26,7 +26,6 @@ from musclebench.page.paper_part import paper_section
 from musclebench.page.parts import Chart, TablePart
 from musclebench.page.sections import sections_of
 from musclebench.paper.published import read_published
-from musclebench.program.cli import Problem
 from musclebench.results.run_folder import read_runs
 from musclebench.tables import paper_tables
 

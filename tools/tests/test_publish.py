@@ -138,7 +138,8 @@ def test_a_quoted_number_is_found_with_its_line():
 @pytest.mark.parametrize("specification, text", [
     ("paper-lhdl/table_2_times[backend=fcl].ratio", "361 to 689"),
     ("paper-lhdl/table_2_times[backend=fcl,muscle=iliacus].ratio .1f", "361.2"),
-    ("paper-lhdl/table_2_times.collision_ms max", "70.0"), ("paper-lhdl/table_2_times.collision_ms max /1e3", "0.0700"), ("paper-lhdl/table_2_times.collision_ms max /1e-3", "70000"),
+    ("paper-lhdl/table_2_times.collision_ms max", "70.0"), ("paper-lhdl/table_2_times.collision_ms max /1e3", "0.0700"),
+    ("paper-lhdl/table_2_times.collision_ms max /1e-3", "70000"),
     ("paper-lhdl/table_2_times[muscle=iliacus].backend", "voxel, fcl"), ("paper-lhdl/table_2_times[backend=fcl].backend count", "2"),
 ])
 def test_values_are_cells_or_ranges(small, specification, text):
@@ -161,7 +162,8 @@ def test_a_value_that_is_not_there_is_named(small, specification, words):
 @pytest.mark.parametrize("claim, is_true", [
     ("[backend=fcl].ratio rises", True), ("[backend=fcl].ratio falls", False), ("[backend=fcl].ratio > 361", True),
     ("[backend=fcl].ratio > 361.2", False), ("[backend=fcl].ratio within 361.2 to 689", True),
-    ("[backend=fcl].ratio within 362 to 689", False), ("[backend=voxel].ratio falls", False), (".collision_ms < 70.1", True), (".collision_ms /1e3 < 0.07", False),
+    ("[backend=fcl].ratio within 362 to 689", False), ("[backend=voxel].ratio falls", False),
+    (".collision_ms < 70.1", True), (".collision_ms /1e3 < 0.07", False),
 ])
 def test_a_sentence_that_contradicts_its_table_is_told(small, claim, is_true):
     page = f"<!-- claim: paper-lhdl/table_2_times{claim} --> FCL is slow.\n"
@@ -175,7 +177,8 @@ def test_a_sentence_that_contradicts_its_table_is_told(small, claim, is_true):
 
 
 @pytest.mark.parametrize("claim, words", [
-    (".ratio is large", "not like"), ("[backend=fcl].ratio max < 1", "all values are compared"), ("[backend=fcl].ratio < much", "no number"), (".ratio < 1000", "1 of its 4 rows have none"),
+    (".ratio is large", "not like"), ("[backend=fcl].ratio max < 1", "all values are compared"),
+    ("[backend=fcl].ratio < much", "no number"), (".ratio < 1000", "1 of its 4 rows have none"),
 ])
 def test_a_claim_that_says_nothing_is_told(small, claim, words):
     with pytest.raises(Problem, match=re.escape(words)):

@@ -47,6 +47,7 @@ def test_a_folded_strip_has_the_angle_of_its_folds(turn_deg):
 
 def test_a_finer_ball_is_smoother_and_its_size_says_nothing():
     coarse, fine = (fake_runs.sphere((0, 0, 0), 0.05, rings) for rings in (10, 20))
+
     def rough(body, factor=1.0):
         mesh = PlyMesh(factor * body.vertices_m, body.triangles, {})
         return roughness_deg(mesh, np.ones(len(body.vertices_m), bool))

@@ -6,7 +6,7 @@ import pytest
 
 import fake_runs
 import paper
-from musclebench.pictures import surface_figures, surface_pictures
+from musclebench.pictures import surface_figures
 from musclebench.results import snapshots
 from musclebench.results.run_folder import read_run
 from musclebench.tables.table_formats import as_text

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import pandas as pd
 
+from ..results.records import inner
 from ..results.statistics import Estimate, pooled_median
 from .cases import StudyCase
 from .configurations import Configuration
@@ -238,9 +239,7 @@ def stage_ns(case: StudyCase, column: str) -> pd.Series:
 
 def number(record: dict, *keys: str) -> float:
     """A number inside of a record; NaN where it is unknown."""
-    value = record
-    for key in keys:
-        value = value.get(key) if isinstance(value, dict) else None
+    value = inner(record, *keys)
     return math.nan if value is None or isinstance(value, (str, dict, list)) else float(value)
 
 

@@ -11,7 +11,7 @@ RULE = f"{arms.RULE} The floor is the same difference for an exact run from a st
 def arm_errors(armed: list[Aggregate], floors: list[Aggregate]) -> dict[tuple, dict]:
     """{(scene, configuration): {length_rms_mm, length_max_mm, arm_rms_mm, arm_max_mm, arm_floor_mm}}; without those
     whose fibres, or the exact run's, are not known."""
-    found = {}
+    found: dict[tuple, dict] = {}
     for one in armed:
         if one.is_shown and (errors := _errors(one, exact_aggregate(armed, one.scene))):
             found[(one.scene, one.configuration)] = errors | {"arm_floor_mm": _floor_mm(one.scene, armed, floors)}

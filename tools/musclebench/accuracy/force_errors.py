@@ -11,7 +11,7 @@ def force_errors(told: list[Aggregate], floors: list[Aggregate]) -> dict[tuple, 
     """{(scene, configuration): {torque_percent, contact_percent, pressure_percent, torque_floor_percent,
     pressure_floor_percent}}; without those whose forces, or the exact run's, are not known. Telling forces takes time, so that
     the times of these runs do not count."""
-    found = {}
+    found: dict[tuple, dict] = {}
     for one in told:
         if one.is_shown and (errors := _errors(one, exact_aggregate(told, one.scene))):
             found[(one.scene, one.configuration)] = errors | _floor(one.scene, told, floors)

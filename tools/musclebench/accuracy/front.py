@@ -53,8 +53,8 @@ def _row(panel: str, group: list[Aggregate], error_mm, wrong: set) -> dict:
     chosen, time = group[0].configuration, total([aggregate.collision_ms for aggregate in group])
     return {
         "panel": panel, "backend": chosen.backend, "configuration": chosen.name, "series": chosen.series,
-        "label": chosen.short, "spoken": chosen.spoken, "is_default": chosen.is_default, "fineness": chosen.fineness, "time_ms": time.value, "time_ms_low": time.low,
-        "time_ms_high": time.high, "error_mm": float(np.max([error_mm(aggregate) for aggregate in group])),
+        "label": chosen.short, "spoken": chosen.spoken, "is_default": chosen.is_default, "fineness": chosen.fineness,
+        "time_ms": time.value, "time_ms_low": time.low, "time_ms_high": time.high, "error_mm": float(np.max([error_mm(aggregate) for aggregate in group])),
         "structure_bytes": sum(aggregate.structure_bytes for aggregate in group) / len(group),
         "is_control": chosen.about.is_control,
         "is_wrong": any((aggregate.scene, aggregate.configuration) in wrong for aggregate in group),

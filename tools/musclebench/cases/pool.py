@@ -38,7 +38,8 @@ def run_cases(cases: list[Case], experiment: Experiment, limits: Limits) -> dict
 class _Pool:
     def __init__(self, cases: list[Case], experiment: Experiment, limits: Limits):
         self._queue, self._experiment, self._limits = CaseQueue(cases), experiment, limits
-        self._free, self._running = list(limits.cores), []
+        self._free = list(limits.cores)
+        self._running: list[Worker] = []
         self._estimate = Estimate([case for case in cases if experiment.is_ever_run(case)])
         self._statuses: dict[Case, str] = {}
         self._log = CaseLog(experiment.folders.out_dir)

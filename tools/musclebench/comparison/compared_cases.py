@@ -13,7 +13,6 @@ from ..program.cli import Problem
 from ..program.registry import Registry
 
 
-
 def asked_experiment(options, registry: Registry) -> ExperimentFile:
     """As the command line wants it. `options`: those of add_case_options."""
     file = read_experiment(experiment_path(options.experiment))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..program.cli import Problem
+from ..results.records import inner
 from ..results.run_folder import ResultProblem, Run, read_run
 from ..results.status import MEASURED
 from .frame_times import COLUMNS, frame_times
@@ -58,7 +59,7 @@ class ResultSet:
 
     def told(self, *keys: str) -> list:
         """The different values of run.json under these keys, the most frequent first; of runs that were measured."""
-        found = Counter(json.dumps(_under(sample.run.record, keys)) for sample in self.samples
+        found = Counter(json.dumps(inner(sample.run.record, *keys)) for sample in self.samples
                         if sample.run.status in MEASURED)
         return [json.loads(value) for value, _ in found.most_common()]
 
@@ -203,9 +204,3 @@ def _case_of(sample: Sample) -> str:
 def _line_of(path: Path, text: str) -> int:
     lines = path.read_text(errors="replace").splitlines()
     return next((number for number, line in enumerate(lines, 1) if str(text) in line), 1)
-
-
-def _under(record: dict, keys: tuple[str, ...]):
-    for key in keys:
-        record = record.get(key) if isinstance(record, dict) else None
-    return record

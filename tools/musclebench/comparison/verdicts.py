@@ -15,7 +15,7 @@ import pandas as pd
 from ..results import samples as statistics
 from ..results.disturbance import disturbed
 from ..results.statistics import Estimate
-from .metrics import COUNTER, EXACT, METRICS, TIME, Metric
+from .metrics import EXACT, METRICS, TIME, Metric
 from .result_set import ResultSet, Sample, match_frames
 
 LEVEL = 0.01  # of any false alarm in a comparison

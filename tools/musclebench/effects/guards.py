@@ -38,7 +38,7 @@ def guard_table(folders: dict[SweptCase, Path]) -> Table:
 
 def _row(runs: dict[str, Run], frames: int) -> dict:
     some = next(iter(runs.values()))
-    row = {"muscle": some.muscle, "frames": frames, "step_deg": _largest_step_deg(some), "without": _tunnelled(runs.get(NO_GUARD))}
+    row: dict = {"muscle": some.muscle, "frames": frames, "step_deg": _largest_step_deg(some), "without": _tunnelled(runs.get(NO_GUARD))}
     for rule in RULES:
         kept = _tunnelled(runs.get(rule))
         row[rule] = kept

@@ -58,8 +58,8 @@ def _row(case: str, runs: list[Run], busy: dict[str, str]) -> dict:
         "warm_up_frames": runs[0].warm_up_count, "frame_ms": frame["median"], "low_ms": frame["low"],
         "high_ms": frame["high"], "p95_ms": frame["p95"], "p99_ms": frame["p99"], "variation_percent": frame["variation"],
         "collision_ms": collision["median"], "collision_low_ms": collision["low"], "collision_high_ms": collision["high"],
-        "collision_p99_ms": collision["p99"], "judged": "yes" if is_judged(runs[0]) else "", "cores": state.get("allowed_cores", ""), "governor": state.get("governor") or "",
-        "turbo": WORDS[state.get("turbo")], "smt": WORDS[state.get("smt")],
+        "collision_p99_ms": collision["p99"], "judged": "yes" if is_judged(runs[0]) else "", "cores": state.get("allowed_cores", ""),
+        "governor": state.get("governor") or "", "turbo": WORDS[state.get("turbo")], "smt": WORDS[state.get("smt")],
         "disturbed": sum(name in busy for name in names),
     }
 

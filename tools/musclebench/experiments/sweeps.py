@@ -35,7 +35,7 @@ class Configuration:
 
     @property
     def label(self) -> str:
-        """Unique, and fit for a folder's name: a backend, or a backend and its choices: NAME-cells=64,precision=float."""
+        """Unique, and fit for a folder's name: a backend, or a backend and its choices: NAME-cells=64,clearance_cache=off."""
         if self.named:
             return self.named
         words = [f"{key}={value}" for key, value in self.parameters]

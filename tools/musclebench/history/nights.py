@@ -17,7 +17,6 @@ from .detection import HARD
 from .history import Measure, Night
 
 
-
 def night_of(results: ResultSet, started: str) -> Night:
     """Refused where times would say nothing."""
     told = {key: results.told(*key) for key in (("build", "git"), ("build", "compiler"), ("build", "type"),

@@ -53,8 +53,8 @@ class MeasuredNight:
 
 def measure_night(folder: Path, started: str, program: Path, kept: Path | None, firsts: list[SweptCase],
                   file: ExperimentFile, seconds: float, hard_seconds: float) -> MeasuredNight:
-    """`firsts`: cases of the file without repetitions. `kept`: the last night's program; None: it is the same, or not there. `seconds`: for all, of which `hard_seconds` are
-    for the matrix; 0: without."""
+    """`firsts`: cases of the file without repetitions. `kept`: the last night's program; None: it is the same, or not there.
+    `seconds`: for all, of which `hard_seconds` are for the matrix; 0: without."""
     night = MeasuredNight(folder, started)
     programs = {BEFORE: kept, AFTER: program} if kept else {AFTER: program}
     planned = plan(firsts, file, tuple(programs))

@@ -96,7 +96,8 @@ def chosen(faults: list[Fault], patterns: list[str] | None, shard: tuple[int, in
 
 def problems_of(faults: list[Fault], root: Path) -> list[str]:
     """One line each; empty when every fault applies, makes a program of its own, and the list is as long as it has to be."""
-    found, first = [], {}
+    found: list[str] = []
+    first: dict[tuple, str] = {}
     for fault in faults:
         if problem := fault.problem(root):
             found.append(f"{fault.name}: {problem}")

@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import pandas as pd
 
 from .parts import Axis, Chart, Section
 from .written import read_rows, written_table

@@ -12,7 +12,7 @@ from ..hard.cells import cells_of
 from ..results.run_folder import read_runs
 from .effects_part import tables_in
 from .looks_of import looks_of_names
-from .parts import Section
+from .parts import Part, Section
 from .scene_data import Sight
 from .views import views_of
 from .written import read_rows
@@ -50,7 +50,7 @@ def hard_section(folder: Path) -> Section:
     totals = ", ".join(f"{counts.get(verdict, 0)} {words}" for verdict, words in VERDICTS)
     what = [("Cells", f"{len(cells)}: {totals}"), ("Cases", str(cells["case"].nunique())),
             ("Backends", ", ".join(looks.title_and_name(name) for name in dict.fromkeys(cells["backend"])))]
-    parts = [matrix_part(cells, _texts(folder))]
+    parts: list[Part] = [matrix_part(cells, _texts(folder))]
     runs = {(run.scene.split("/")[-1], run.backend): run for run in read_runs(folder / "raw")}
     if runs:
         parts.append(views_of(runs, "The scenes that move, in 3D", SIDE))

@@ -13,7 +13,7 @@ from ..tables.table_formats import UNKNOWN
 from .bundle import PROJECT
 from .changes import commits_before, interval_words
 from .history_rows import metric_name, night_rows
-from .parts import Axis, Chart, Chooser, Section, TablePart
+from .parts import Axis, Chart, Chooser, Part, Section, TablePart
 
 FILE_NAME = "history.sqlite"
 SQLITE = b"SQLite format 3\0"
@@ -37,7 +37,7 @@ def history_section(path: Path) -> Section:
     answers = [one for one in found if _is_answer(one)]
     changes = [one for one in found if not _is_answer(one)]
     commits = commits_before(found, nights, PROJECT)
-    parts = [_chart(night_rows(measures, nights, changes, commits), nights, changes),
+    parts: list[Part] = [_chart(night_rows(measures, nights, changes, commits), nights, changes),
              _changes_table("changes", "Times and counters that changed", changes, nights, commits),
              _changes_table("answers", "Answers that changed", answers, nights, commits), _nights_table(nights)]
     return Section("history", "History of nights", _what(every, nights, changes, answers), [], parts, {}, file.parent)

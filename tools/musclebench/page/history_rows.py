@@ -15,7 +15,8 @@ NUMBERS = ["value", "low", "high"]
 
 def night_rows(measures: pd.DataFrame, nights: list[Night], changes: list[Finding], commits: dict[int, str]) -> pd.DataFrame:
     """Columns started, commit, case, metric, value, low, high, unit, level (median between two changes) and, in the first
-    night of a change, ratio, changed and between (empty in others). `measures`: of History.measures; `commits`: {first night of a change: the commits before it, in words}."""
+    night of a change, ratio, changed and between (empty in others). `measures`: of History.measures; `commits`: {first
+    night of a change: the commits before it, in words}."""
     numbers = measures[(measures["kind"] != EXACT) & measures["value"].notna()]
     series = [_in_units(rows, unit) for (_, _, unit), rows in numbers.groupby(["case", "metric", "unit"], sort=False)]
     series += _shared(numbers)

@@ -4,6 +4,7 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 import jinja2
+from markupsafe import Markup
 
 from ..figures import looks
 from ..figures.style import muscle_label
@@ -33,7 +34,8 @@ def _filled(sections: list[Section], folders: list[Path], script: str = "", why_
     engine.filters |= {"packed": lambda text: packed_bytes(text.encode()), "linked": linked_rows, "named": muscle_label}
     engine.policies["json.dumps_kwargs"] = {"sort_keys": False}  # their order is that in which the page tells them
     known = helps()
-    engine.filters |= {"slug": slug, "titled": looks.title, "explained": lambda word: explained(str(word), known), "explained_in": lambda text: explained_in(text, known)}
+    engine.filters |= {"slug": slug, "titled": looks.title, "explained": lambda word: explained(str(word), known),
+                       "explained_in": lambda text: explained_in(text, known)}
     made = datetime.now(timezone.utc).strftime("%Y-%m-%d %H:%M UTC")
     css = (SOURCES / "style.css").read_text(encoding="utf-8")
     return engine.get_template(TEMPLATE).render(
@@ -43,7 +45,7 @@ def _filled(sections: list[Section], folders: list[Path], script: str = "", why_
 
 
 def _safe(text: str) -> str:
-    return jinja2.utils.markupsafe.Markup(text)
+    return Markup(text)
 
 
 def title_of(sections: list[Section]) -> str:

@@ -5,7 +5,8 @@ from pathlib import Path
 
 from ..program.cli import Problem
 from ..results.run_folder import ResultProblem
-from .page_file import FILE_NAME, write_page
+from . import FILE_NAME
+from .page_file import write_page
 
 
 def page_of(study: str, out_dir: Path, options) -> list[Path]:

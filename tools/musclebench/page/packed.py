@@ -46,7 +46,8 @@ def neighbours_order(count: int, triangles: np.ndarray) -> np.ndarray:
     edges = np.concatenate([edges, edges[:, ::-1]])
     edges = edges[np.argsort(edges[:, 0], kind="stable")]
     starts, ends = np.searchsorted(edges[:, 0], [np.arange(count), np.arange(1, count + 1)])
-    targets, seen, order = edges[:, 1].tolist(), bytearray(count), []
+    targets, seen = edges[:, 1].tolist(), bytearray(count)
+    order: list[int] = []
     for seed in range(count):
         if seen[seed] or starts[seed] == ends[seed]:
             continue

@@ -15,7 +15,7 @@ from ..tables.smoothness_table import smoothness_table
 from ..tables.table_formats import as_ratio
 from .frame_charts import Cases, depth_chart, memory_chart, time_charts
 from .looks_of import looks_of_names
-from .parts import Chart, Section, table_part
+from .parts import Chart, Part, Section, table_part
 from .told_of_runs import problems_of, what_was_run
 from .views import views_of
 
@@ -31,7 +31,7 @@ def paper_section(folder: Path) -> Section:
     with_frames = {case: run for case, run in paper_tables.by_case(runs).items() if not run.frames.empty}
     first = muscle_of_figures(muscle for muscle, _ in with_frames) if with_frames else ""
     cases = dict(sorted(with_frames.items(), key=lambda item: item[0][0] != first))
-    parts = [views_of(cases, "Fig. 6: shape and depth, in 3D"), *figure_7(cases, paper), figure_8(cases, paper),
+    parts: list[Part] = [views_of(cases, "Fig. 6: shape and depth, in 3D"), *figure_7(cases, paper), figure_8(cases, paper),
              depth_chart(cases),
              table_part(paper_tables.memory_table(runs, paper), "Table I: memory, measured and in the paper"),
              table_part(paper_tables.time_table(runs, paper), "Times and accuracy, measured and in the paper")]

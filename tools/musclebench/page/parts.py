@@ -2,8 +2,10 @@
 what the mouse shows is what its file holds."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Protocol
 
 import pandas as pd
 
@@ -71,6 +73,12 @@ class TablePart:
     kind_of_part: str = "table"
 
 
+class Part(Protocol):
+    """A table, a chart or a view: the page's template knows what is what."""
+
+    kind_of_part: str
+
+
 @dataclass
 class Section:
     """Of one folder of results."""
@@ -79,7 +87,7 @@ class Section:
     title: str
     what: list[tuple[str, str]]  # (what was run and on what, in words)
     problems: list[str]  # runs without a result, machines that were busy
-    parts: list[Chart | TablePart | Views]
+    parts: Sequence[Part]
     colours: dict[str, dict]  # {backend: label, colour, dash}
     folder: Path
     is_left_out: bool = False  # its results can't be read; `problems` says why

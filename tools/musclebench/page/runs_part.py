@@ -8,7 +8,7 @@ from ..program.cli import Problem
 from ..results.run_folder import Run, read_all
 from .frame_charts import Cases, depth_chart, memory_chart, time_charts
 from .looks_of import looks_of_names
-from .parts import Section
+from .parts import Part, Section
 from .told_of_runs import problems_of, what_was_run
 from .views import views_of
 
@@ -32,7 +32,7 @@ def runs_section(folder: Path) -> Section:
     if not runs:
         raise Problem(f"{folder}: holds no run of 'musclebench run' with frames; name its --out folder")
     cases = told_apart(runs)
-    parts = [views_of(cases, "The runs in 3D"), *time_charts(cases), memory_chart(cases), depth_chart(cases)]
+    parts: list[Part] = [views_of(cases, "The runs in 3D"), *time_charts(cases), memory_chart(cases), depth_chart(cases)]
     return Section("runs", "Runs", what_was_run(runs), problems_of(runs), parts, looks_of_names(name for _, name in cases), folder)
 
 

@@ -9,16 +9,14 @@ import numpy as np
 
 from ..figures import looks
 from ..pictures.surface_figures import DEEPEST_SHOWN_MM
+from ..pictures.surface_pictures import first_view, sight_cut
 from ..results.ply import PlyMesh
 from ..results.run_folder import Run
-from ..results.statistics import percentile
 from ..results.snapshots import Snapshot, read_bones
+from ..results.statistics import percentile
 from .packed import neighbours_order, packed_depths, packed_mesh, packed_shapes, packed_triangles, packed_words
 
 MARGIN, SEEN_PERCENTS = 1.3, [0.5, 99.5]
-from ..pictures.surface_pictures import first_view, sight_cut
-
-
 # What colours may show. Runs of earlier programs kept the depth of nodes only; pressures are of runs with --forces.
 DEPTHS = {"node": "depth_m", "surface": "surface_depth_m"}
 PRESSURE = {"pressure": "pressure_pa"}

@@ -15,10 +15,10 @@ from ..figures.paper_figures import caption
 from ..figures.style import muscle_label, plt
 from ..results.run_folder import ResultProblem, Run
 from ..results.snapshots import Snapshot, read_snapshots
+from .surface_pictures import Studio
 
 STRETCH_COLOURS = colors.LinearSegmentedColormap.from_list("stretch", ["#2166ac", "#92c5de", "#f7f7f7", "#f4a582", "#b2182b"])
 SMALLEST_RANGE = 0.1  # of the colours, about a stretch of 1
-from .surface_pictures import Studio
 
 
 @dataclass

@@ -3,8 +3,8 @@
     <!-- claim: convergence-lhdl/substeps[scene=lhdl/iliacus].rms_mm falls --> The shape converges.
     <!-- claim: accuracy-lhdl/price_list[target_mm=0.1].ratio < 1 --> It costs less than voxels.
 
-A study that is not in reports/measured is a mistake. Relations over all chosen rows, in the order of the table: `falls`, `rises` (each value to the next), `< X`, `> X`,
-`within LOW to HIGH` (each value, bounds included). A sentence whose claim fails has to be written anew."""
+A study that is not in reports/measured is a mistake. Relations over all chosen rows, in the order of the table: `falls`,
+`rises` (each value to the next), `< X`, `> X`, `within LOW to HIGH` (each value, bounds included). A sentence whose claim fails has to be written anew."""
 
 import re
 from itertools import pairwise

@@ -12,6 +12,7 @@ from ..program.cli import Problem
 from ..program.fingerprint import write_whole
 from ..program.registry import FILE_NAME as REGISTRY, whose
 from ..results.disturbance import disturbed
+from ..results.records import inner
 from ..results.run_folder import implementations_in
 from .published_tables import TABLES
 
@@ -143,12 +144,7 @@ def _record(path: Path) -> dict:
 
 
 def _one(records: list[dict], out_dir: Path, what: str, *keys: str) -> str:
-    values = set()
-    for record in records:
-        value = record
-        for key in keys:
-            value = value.get(key) if isinstance(value, dict) else None
-        values.add(str(value))
+    values = {str(inner(record, *keys)) for record in records}
     if len(values) > 1:
         raise Problem(f"{out_dir}: its runs are of more than one {what} ({', '.join(sorted(values))}); remove "
                       "it and run the study again")

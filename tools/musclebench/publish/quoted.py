@@ -39,7 +39,7 @@ def unmarked(text: str) -> list[tuple[int, str]]:
         text = pattern.sub(lambda match: re.sub(r"[^\n]", " ", match.group(0)), text)
     found = {(match.start(1), match.group(0).strip())
              for pattern in (WITH_UNIT, DECIMAL, CELL, SHARE, WORD_RATIO) for match in pattern.finditer(text)}
-    longest_at = {}
+    longest_at: dict[int, str] = {}
     for offset, words in sorted(found, key=lambda one: (one[0], -len(one[1]))):
         longest_at.setdefault(offset, words)
     return [(text.count("\n", 0, offset) + 1, words) for offset, words in longest_at.items()]

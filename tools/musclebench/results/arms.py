@@ -23,7 +23,7 @@ def arm_differences(run: Run, reference: Run) -> dict[str, float]:
     turning = both[_is_turning(both["angle_deg"])]
     if turning.empty:
         return {}
-    found = {}
+    found: dict[str, float] = {}
     for name, column in COMPARED.items():
         off_mm = 1e3 * (turning[column] - turning[f"{column}_reference"])
         found |= {f"{name}_rms_mm": float(np.sqrt(np.mean(off_mm**2))), f"{name}_max_mm": float(off_mm.abs().max())}

@@ -58,7 +58,7 @@ def median_ratio(times: pd.Series, reference: pd.Series, draws: int = DRAWS) -> 
 
 def total(parts: list[Estimate]) -> Estimate:
     """Sum of independent estimates."""
-    return _combined(sum(part.value for part in parts), sum(part.draws for part in parts), parts)
+    return _combined(sum(part.value for part in parts), sum((part.draws for part in parts), np.zeros(1)), parts)
 
 
 def quotient(above: Estimate, below: Estimate) -> Estimate:
