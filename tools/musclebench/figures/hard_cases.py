@@ -39,7 +39,7 @@ def draw_matrix(rows: pd.DataFrame, stem: Path) -> list[Path]:
             axes.text(x + 0.5, y + 0.5, cell.verdict, ha="center", va="center", fontsize=style.SMALLEST_POINTS,
                       color="black" if cell.verdict == "refused" else "white")
     axes.set(xlim=(0, len(backends)), ylim=(len(cases), 0))
-    axes.set_xticks([i + 0.5 for i in range(len(backends))], [looks.title(name) for name in backends])
+    axes.set_xticks([i + 0.5 for i in range(len(backends))], [looks.title(name).replace(" ", "\n") for name in backends])
     axes.set_yticks([i + 0.5 for i in range(len(cases))], cases)
     axes.xaxis.tick_top()
     axes.tick_params(length=0)
