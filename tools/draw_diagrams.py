@@ -115,13 +115,12 @@ def distance_field(axes) -> None:
                                      linewidth=0.5))
     x, y = np.meshgrid(np.linspace(-1.6, 1.6, 160), np.linspace(-1.0, 1.0, 110))
     axes.contour(x, y, bone_distance(x, y), levels=[0], colors=[LINE], linewidths=1.2)
-    axes.contour(x, y, bone_distance(x, y), levels=[0.4], colors=[NOTE], linewidths=0.8, linestyles="--")
     cell = np.array([2.2, -0.55])
     axes.add_patch(Rectangle(cell, 1.1, 1.1, fill=False, edgecolor=ASKED, linewidth=1.2))
     nodes = [(i / 3, j) for i in range(4) for j in (0, 1)] + [(j, i / 3) for i in (1, 2) for j in (0, 1)]
     axes.plot(*(cell + 1.1 * np.array(nodes)).T, "o", color=ASKED, markersize=4)
     axes.text(2.2, 0.68, "a cell: corners and\ntwo nodes on each edge", fontsize=8)
-    axes.text(-1.6, -1.28, "white: never negative, one bit says so     dashed: narrow band", fontsize=8, color=NOTE)
+    axes.text(-1.6, -1.28, "white: never negative, one bit says so", fontsize=8, color=NOTE)
     axes.set(xlim=(-1.7, 3.9), ylim=(-1.35, 1.15))
 
 

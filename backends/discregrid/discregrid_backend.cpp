@@ -32,8 +32,7 @@ class DiscregridBone {
  public:
   DiscregridBone(const Bone& bone, const GridSettings& settings, int threads, const ShareReport& report) {
     const GridShape shape = grid_over(bone.surface.mesh, settings, bone.name);
-    const CubicField field =
-        build_field(bone.signed_distance(), shape, FieldSettings{FieldPrecision::single_precision}, threads, report);
+    const CubicField field = build_field(bone.signed_distance(), shape, threads, report);
     const TemporaryFolder folder;
     write_discregrid(field, folder / "field.cdf");
     std::ifstream in(folder / "field.cdf", std::ios::binary);

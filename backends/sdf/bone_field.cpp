@@ -46,7 +46,7 @@ void BoneField::store_left_out(const NodeBatch& batch, std::size_t first, std::s
       continue;
     }
     const Vec3 cells = map.apply(batch.positions[static_cast<std::size_t>(batch.nodes[index])]);
-    batch.clearances->store(batch.bone, batch.nodes[index], grid().point(cells), clearance_m(cells));
+    batch.clearances->store(batch.bone, batch.nodes[index], grid().point(cells), grid().distance_m(cells));
   }
 }
 

@@ -32,7 +32,7 @@ struct FieldAnswers {
 /// threads.
 class BoneField : public BoneStructure {
  public:
-  /// Which points are evaluated: those that may be inside the bone, or all for which the field has coefficients.
+  /// Which points are evaluated: those that may be inside the bone, or all that the grid answers.
   enum class Wanted : std::uint8_t { contacts, clearances };
 
   explicit BoneField(const StructureOrigin& origin) : m_origin(origin) {}
@@ -55,9 +55,6 @@ class BoneField : public BoneStructure {
   /// Radii of spheres around the points of such a block (`Wanted::clearances`) in which the field is nowhere negative;
   /// undefined for contacts.
   virtual void find_clearances(const FieldAnswers& answers, FieldBlock::Lanes<double>& clearance_m) const = 0;
-  /// The same for a point that `sample` (`Wanted::clearances`) leaves out: outside the domain, or in a cell without
-  /// coefficients. `cells`: the point as mapped by the CellMap.
-  [[nodiscard]] virtual double clearance_m(const Vec3& cells) const { return grid().distance_m(cells); }
 
  private:
   void store_sampled(const NodeBatch& batch, const FieldAnswers& answers) const;

@@ -31,9 +31,6 @@ void require_fit(const Parameters& parameters, const fs::path& out) {
     throw InputError("--out " + out.string(),
                      fmt::format("has to end in {} for this field", octree ? ".octree" : ".cdf or .field"));
   }
-  if (ending == ".cdf" && field_settings(parameters).band_m) {
-    throw InputError("--out " + out.string(), "Discregrid's format wants a value in every cell; leave out `band_m`");
-  }
 }
 
 BuiltStructure build_octree_of(const Bone& bone, const Parameters& parameters, int threads, const ShareReport& report) {
@@ -54,15 +51,10 @@ BuiltStructure build_octree_of(const Bone& bone, const Parameters& parameters, i
 }
 
 BuiltStructure build_grid_of(const Bone& bone, const Parameters& parameters, int threads, const ShareReport& report) {
-  const FieldSettings settings = field_settings(parameters);
   const GridSettings grid = grid_settings(parameters);
   const GridShape shape = grid_over(bone.surface.mesh, grid, bone.name);
-  if (settings.band_m) {
-    require_sensible_band(*settings.band_m, shape, bone.surface.mesh, bone.name);
-  }
-  require_room({&bone, 1}, {&shape, 1}, grid, settings);
-  const auto field =
-      std::make_shared<const CubicField>(build_field(bone.signed_distance(), shape, settings, threads, report));
+  require_room({&shape, 1}, grid);
+  const auto field = std::make_shared<const CubicField>(build_field(bone.signed_distance(), shape, threads, report));
   const FieldError& error = field->facts().error;
   const Vec3 size_mm = shape.cell_size_m * 1e3;
   const std::string cells = fmt::format("{} x {} x {} of {:.3g} x {:.3g} x {:.3g} mm", shape.cells[0], shape.cells[1],

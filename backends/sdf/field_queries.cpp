@@ -68,21 +68,19 @@ class FieldQueries final : public SurfaceQueries {
 }  // namespace
 
 MakeSurfaceQueries make_field_queries(const Parameters& parameters, std::span<const Bone> bones) {
-  const bool has_cells_everywhere = !wants_octree(parameters) && !field_settings(parameters).band_m;
-  if (!has_cells_everywhere || !parameters.word("discregrid").empty()) {
+  if (wants_octree(parameters) || !parameters.word("discregrid").empty()) {
     throw InputError("sdf",
-                     "faces need a field that is built here, with cells of one size everywhere; leave out band_m, "
-                     "max_error_mm and discregrid");
+                     "faces need a field that is built here, with cells of one size; leave out max_error_mm and "
+                     "discregrid");
   }
   const GridSettings grid = grid_settings(parameters);
-  const FieldSettings settings = field_settings(parameters);
   std::vector<GridShape> shapes;
   for (const Bone& bone : bones) shapes.push_back(grid_over(bone.surface.mesh, grid, bone.name));
-  require_room(bones, shapes, grid, settings);
-  return [grid, settings](const Bone& bone, int threads) {
+  require_room(shapes, grid);
+  return [grid](const Bone& bone, int threads) {
     const GridShape shape = grid_over(bone.surface.mesh, grid, bone.name);
     const auto surface = bone.kept_signed_distance();
-    return std::make_shared<const FieldQueries>(build_field(*surface, shape, settings, threads, nullptr));
+    return std::make_shared<const FieldQueries>(build_field(*surface, shape, threads));
   };
 }
 

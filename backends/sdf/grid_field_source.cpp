@@ -33,12 +33,7 @@ double storage_rounding_m(const CubicField& field) {
   constexpr double both = 2;
   const GridShape& grid = field.shape();
   const double largest_m = 0.5 * (grid.upper_m() - grid.lower_m).norm();
-  const double single_m = 0.5 * static_cast<double>(std::numeric_limits<float>::epsilon()) * largest_m;
-  if (field.precision() == FieldPrecision::single_precision) return both * enlarged * single_m;
-  const Vec3& cell_m = grid.cell_size_m;
-  const CompactSteps steps = compact_steps(cell_m.x(), cell_m.y(), cell_m.z());
-  const double half_step_m = 0.5 * static_cast<double>(*std::ranges::max_element(steps));
-  return both * enlarged * (single_m + half_step_m);
+  return both * enlarged * 0.5 * static_cast<double>(std::numeric_limits<float>::epsilon()) * largest_m;
 }
 
 class GridBoneField final : public BoneField {
@@ -74,30 +69,14 @@ class GridBoneField final : public BoneField {
     return next;
   }
 
-  /// A path that leaves the cells of a narrow band comes back to them at a distance from the bone equal to the band's
-  /// width.
   void find_clearances(const FieldAnswers& answers, FieldBlock::Lanes<double>& clearance_m) const override {
-    const FieldFacts& facts = m_field.facts();
-    for (std::size_t n = 0; n < answers.block.count; ++n) {
-      const double by_slope_m = answers.block.value_m[n] / facts.lipschitz_bound;
-      clearance_m[n] =
-          m_field.band() ? std::min(by_slope_m, m_field.band()->width_m() - facts.sign_error_distance_m) : by_slope_m;
-    }
+    const double lipschitz_bound = m_field.facts().lipschitz_bound;
+    for (std::size_t n = 0; n < answers.block.count; ++n) clearance_m[n] = answers.block.value_m[n] / lipschitz_bound;
     if (!grid().is_part()) return;
     // Slopes are bounded in the part only; and whoever leaves it has to be asked again.
     for (std::size_t n = 0; n < answers.block.count; ++n) {
       clearance_m[n] = std::min(clearance_m[n], grid().distance_to_left_out_m(answers.block.cells(n)));
     }
-  }
-
-  /// At the border of a cell rounding may take the point into the next one, by less than the slack of a clearance.
-  [[nodiscard]] double clearance_m(const Vec3& cells) const override {
-    if (!m_field.band() || !grid().contains(cells)) {
-      return BoneField::clearance_m(cells);
-    }
-    const CellPosition at = grid().locate(cells);
-    const double far_m = static_cast<double>(m_field.band()->far_m(at.i, at.j, at.k));
-    return std::min(far_m - m_field.facts().sign_error_distance_m, grid().distance_to_left_out_m(cells));
   }
 
  private:
@@ -112,23 +91,14 @@ class GridBoneField final : public BoneField {
 class GridFieldSource final : public FieldSource {
  public:
   explicit GridFieldSource(const Parameters& parameters)
-      : m_grid(grid_settings(parameters)),
-        m_settings(field_settings(parameters)),
-        m_precision_name(parameters.word("precision")),
-        m_folder(parameters.word("structures")) {}
+      : m_grid(grid_settings(parameters)), m_folder(parameters.word("structures")) {}
 
-  /// Outside the band only the unsigned distance is stored.
-  [[nodiscard]] bool needs_closed_surfaces() const override { return m_settings.band_m.has_value(); }
+  [[nodiscard]] bool needs_closed_surfaces() const override { return false; }
 
   void require_fit(std::span<const Bone> bones) const override {
     std::vector<GridShape> shapes;
-    for (const Bone& bone : bones) {
-      shapes.push_back(grid_over(bone.surface.mesh, m_grid, bone.name));
-      if (m_settings.band_m) {
-        require_sensible_band(*m_settings.band_m, shapes.back(), bone.surface.mesh, bone.name);
-      }
-    }
-    require_room(bones, shapes, m_grid, m_settings);
+    for (const Bone& bone : bones) shapes.push_back(grid_over(bone.surface.mesh, m_grid, bone.name));
+    require_room(shapes, m_grid);
   }
 
   [[nodiscard]] double contact_reach_m(const Bone& bone) const override {
@@ -143,10 +113,8 @@ class GridFieldSource final : public FieldSource {
     const GridShape whole = grid_over(bone.surface.mesh, m_grid, bone.name);
     const GridShape shape = m_folder.empty() ? whole.part(expected) : whole;
     const KeptFields<CubicField> kept{
-        [&] { return build_field(bone.signed_distance(), shape, m_settings, threads, progress); },
-        [&](const std::filesystem::path& path, const std::string& digest) {
-          return load_field(path, digest, shape, m_settings);
-        },
+        [&] { return build_field(bone.signed_distance(), shape, threads, progress); },
+        [&](const std::filesystem::path& path, const std::string& digest) { return load_field(path, digest, shape); },
         [](const CubicField& field, const std::filesystem::path& path, const std::string& digest) {
           save_field(field, digest, path);
         }};
@@ -158,13 +126,10 @@ class GridFieldSource final : public FieldSource {
   [[nodiscard]] std::string built_with() const {
     const std::string grid =
         m_grid.cell_size_m > 0 ? fmt::format("{}m", m_grid.cell_size_m) : fmt::format("{}cells", m_grid.cells);
-    const std::string band = m_settings.band_m ? fmt::format("-band{}m", *m_settings.band_m) : "";
-    return fmt::format("{}{}{}-{}", grid, band, margin_file_name(m_grid.margin), m_precision_name);
+    return grid + margin_file_name(m_grid.margin);
   }
 
   GridSettings m_grid;
-  FieldSettings m_settings;
-  std::string m_precision_name;
   std::filesystem::path m_folder;
 };
 

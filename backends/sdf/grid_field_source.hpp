@@ -7,7 +7,7 @@
 
 namespace musclebench {
 
-/// Fields over a regular grid of cells, dense or in a narrow band: built, or loaded where `structures` names a folder.
+/// Fields over a regular grid of cells: built, or loaded where `structures` names a folder.
 std::unique_ptr<FieldSource> make_grid_field_source(const Parameters& parameters);
 
 /// Fields that someone else has built, in Discregrid's format, from the folder that `discregrid` names.

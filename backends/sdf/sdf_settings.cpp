@@ -10,24 +10,8 @@
 
 namespace musclebench {
 
-namespace {
-
-FieldPrecision precision_named(const std::string& word) {
-  return word == "compact" ? FieldPrecision::compact : FieldPrecision::single_precision;
-}
-
-}  // namespace
-
 GridSettings grid_settings(const Parameters& parameters) {
   return {static_cast<int>(parameters.integer("cells")), parameters.number("cell_size_m"), parameters.number("margin")};
-}
-
-FieldSettings field_settings(const Parameters& parameters) {
-  FieldSettings settings{precision_named(parameters.word("precision"))};
-  if (parameters.given("band_m")) {
-    settings.band_m = parameters.number("band_m");
-  }
-  return settings;
 }
 
 bool wants_octree(const Parameters& parameters) {
@@ -41,13 +25,9 @@ bool wants_octree(const Parameters& parameters) {
     }
   };
   if (is_adaptive) {
-    refuse({"cells", "cell_size_m", "band_m", "discregrid"}, "max_error_mm", "an adaptive field chooses its cells");
-    if (parameters.word("precision") != "float") {
-      refuse({"precision"}, "max_error_mm", "an adaptive field keeps floats");
-    }
+    refuse({"cells", "cell_size_m", "discregrid"}, "max_error_mm", "an adaptive field chooses its cells");
   } else if (!parameters.word("discregrid").empty()) {
-    refuse({"cells", "cell_size_m", "band_m", "precision", "margin", "structures"}, "discregrid",
-           "a field that is read is as it was built");
+    refuse({"cells", "cell_size_m", "margin", "structures"}, "discregrid", "a field that is read is as it was built");
   } else if (parameters.number("cell_size_m") > 0) {
     refuse({"cells"}, "cell_size_m", "the edge of the cells tells how many there are");
   }

@@ -11,7 +11,6 @@ namespace musclebench {
 // Parameters of the `sdf` backend as settings of the field builders.
 
 GridSettings grid_settings(const Parameters& parameters);
-FieldSettings field_settings(const Parameters& parameters);
 
 /// Whether cells of several sizes are wanted: `max_error_mm` is positive. Throws InputError for a parameter that
 /// another one makes meaningless: those of a grid beside `max_error_mm`, those of building beside `discregrid`, and

@@ -222,7 +222,7 @@ GRID_64 = {"cells": 64, "voxel_size_m": 0.0}
 REPLAYED = {  # ms and p99 error in mm on the iliacus
     ROLES.unit: Truth(0.2, 3.0, false=5000, structure_bytes=65_536, build_s=0.3, noise=0, parameters=GRID_64),
     f"{ROLES.field} 64": Truth(0.3, 0.25, noise=0, structure_bytes=15_000_000, build_s=12, parameters={"cells": 64}),
-    f"{ROLES.field} 128": Truth(0.4, 0.08, noise=0, build_s=90, parameters={"cells": 128, "precision": "float"}),
+    f"{ROLES.field} 128": Truth(0.4, 0.08, noise=0, build_s=90, parameters={"cells": 128}),
     ROLES.choices: Truth(72, 0.02, missed=50, noise=0, parameters=SURFACES),
     f"{ROLES.choices} OBB": Truth(36, 0.02, missed=50, noise=0, parameters=SURFACES | {"bounding_volume": "OBB"}),
     f"{ROLES.choices} RSS": Truth(10, 0.02, missed=9990, noise=0, parameters=SURFACES | {"bounding_volume": "RSS"}),
@@ -266,24 +266,21 @@ def realistic_truths() -> list[tuple[str, Truth]]:
                                        remaining_mm=900 * edge, shift_mm=500 * edge,
                                        parameters={"cells": 64, "voxel_size_m": edge})))
     for cells in (8, 16, 32, 64, 128):
-        for precision, width in (("float", 1), ("compact", 2)):  # the second is off the front here
-            mm = 0.3 * (64 / cells) ** 1.4
-            made.append((ROLES.field, Truth(0.2 * (cells / 64) ** 0.32 * (1 + 0.15 * (width - 1)), mm,
-                                            structure_bytes=60 * width * cells**3, build_s=4.6e-5 * cells**3,
-                                            remaining_mm=mm / 3, shift_mm=mm / 2, parameters={
-                                                "cells": cells, "cell_size_m": 0.0, "precision": precision,
-                                                "margin": 0.001})))
+        mm = 0.3 * (64 / cells) ** 1.4
+        made.append((ROLES.field, Truth(0.2 * (cells / 64) ** 0.32, mm, structure_bytes=60 * cells**3,
+                                        build_s=4.6e-5 * cells**3, remaining_mm=mm / 3, shift_mm=mm / 2,
+                                        parameters={"cells": cells, "cell_size_m": 0.0, "margin": 0.001})))
     for edge in (8e-3, 4e-3, 2e-3):
         mm = 0.25 * (edge / 2e-3) ** 1.4
         made.append((ROLES.field, Truth(0.21 * (2e-3 / edge) ** 0.3, mm, structure_bytes=round(0.375 / edge**3),
                                         remaining_mm=mm / 3, shift_mm=mm / 2, parameters={
-                                            "cells": 64, "cell_size_m": edge, "precision": "float", "margin": 0.001})))
+                                            "cells": 64, "cell_size_m": edge, "margin": 0.001})))
     for wanted in (0.3, 0.1, 0.03):
         made.append((ROLES.field, Truth(0.2, 1.1 * wanted, structure_bytes=round(3.6e5 / wanted), build_s=0.4 / wanted,
                                         remaining_mm=wanted, shift_mm=wanted, parameters={
-                                            "cells": 64, "max_error_mm": wanted, "precision": "float"})))
+                                            "cells": 64, "max_error_mm": wanted})))
     made.append((ROLES.field, Truth(0.3, 0.3, structure_bytes=15_000_000, remaining_mm=0.1, shift_mm=0.2, parameters={
-        "cells": 64, "cell_size_m": 0.0, "precision": "float", "clearance_cache": "off"})))
+        "cells": 64, "cell_size_m": 0.0, "clearance_cache": "off"})))
     for ms, mm, missed, threads, choices in (
         (72, 0.02, 150, 1, {}), (40, 0.02, 150, 1, {"bounding_volume": "OBB"}),
         (60, 4.0, 9990, 1, {"bounding_volume": "RSS"}), (110, 0.02, 150, 1, {"bounding_volume": "kIOS"}),

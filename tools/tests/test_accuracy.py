@@ -22,16 +22,16 @@ PROGRAM = Path(__file__).resolve().parent / "fake_musclebench.py"
 FEW = {
     "null": {"control": True, "series": [{"replays": False, "step_ms": 0.0}]},
     "voxel": {"series": [{"name": "cells", "sweep": {"cells": [16]}, "step_ms": 0.05, "probed": True}]},
-    "sdf": {"series": [{"name": "cells", "sweep": {"cells": [8]}, "fixed": {"precision": "float"}, "step_ms": 0.1,
+    "sdf": {"series": [{"name": "cells", "sweep": {"cells": [8]}, "step_ms": 0.1,
                         "stores": True, "stored_bytes": 1e3, "probed": True}]},
     "bvh": {"series": [{"step_ms": 1.0}]},
     "brute_force": {"longest_stride": 128, "series": [{"step_ms": 1.2e4}]},
 }
-PROBES = ["adductor_brevis-probe-sdf-cells=8,precision=float-r0", "adductor_brevis-probe-voxel-cells=16-r0"]
+PROBES = ["adductor_brevis-probe-sdf-cells=8-r0", "adductor_brevis-probe-voxel-cells=16-r0"]
 ONCE = ["iliacus-coupled-null", "iliacus-replay-voxel-cells=16", "iliacus-coupled-voxel-cells=16",
-        "iliacus-replay-sdf-cells=8,precision=float", "iliacus-coupled-sdf-cells=8,precision=float",
+        "iliacus-replay-sdf-cells=8", "iliacus-coupled-sdf-cells=8",
         "iliacus-replay-bvh", "iliacus-coupled-bvh"]
-ARMS = [f"iliacus-arms-{name}-r0" for name in ("null", "voxel-cells=16", "sdf-cells=8,precision=float", "bvh")]
+ARMS = [f"iliacus-arms-{name}-r0" for name in ("null", "voxel-cells=16", "sdf-cells=8", "bvh")]
 FORCES = [name.replace("-arms-", "-forces-") for name in ARMS]
 TOO_LONG = ["iliacus-coupled-brute_force-r0", "iliacus-arms-brute_force-r0", "iliacus-forces-brute_force-r0"]
 RUN_CASES = sorted(["iliacus", *PROBES, "iliacus-replay-brute_force-r0", "iliacus-floor-bvh-r0",
@@ -142,7 +142,7 @@ def test_what_is_too_long_is_a_row_with_its_estimate(finished):
 def test_a_probe_builds_what_the_others_load(sweep):
     sweep("--keep-structures")
     assert sweep.record(PROBES[0])["structures"] == "built"
-    for name in ("iliacus-replay-sdf-cells=8,precision=float-r0", "iliacus-coupled-sdf-cells=8,precision=float-r1"):
+    for name in ("iliacus-replay-sdf-cells=8-r0", "iliacus-coupled-sdf-cells=8-r1"):
         assert sweep.record(name)["structures"] == "loaded"
     # What a killed build has left must not make the next one look fast.
     shutil.rmtree(sweep.out / "raw" / PROBES[0])

@@ -100,14 +100,6 @@ def test_writes_the_adaptive_field_that_a_backend_keeps(folder):
     assert [one["kept_build_ns"] for one in manifests] == [None, json.loads(note.read_text())["build_ns"]]
 
 
-def test_writes_a_field_with_a_band(folder):
-    out = folder / "box.field"
-    done = call("field", folder / "scene.toml", "--bone", "box", "--param", "cells=24", "--param", "band_m=0.01",
-                "--out", out)
-    assert done.returncode == 0, done.stderr
-    assert out.stat().st_size > 1000
-
-
 def test_reports_progress_in_lines(folder):
     done = call("field", folder / "scene.toml", "--param", "cells=48", "--out", folder / "box.field", "--progress")
     assert done.returncode == 0
@@ -117,7 +109,6 @@ def test_reports_progress_in_lines(folder):
 @pytest.mark.parametrize(("arguments", "words"), [
     (["--out", "box.vdb"], "has to end in .cdf or .field"),
     (["--out", "box.cdf", "--param", "max_error_mm=0.1"], "has to end in .octree"),
-    (["--out", "box.cdf", "--param", "band_m=0.01"], "leave out `band_m`"),
     (["--out", "box.octree", "--param", "max_error_mm=0.1", "--param", "cell_size_m=0.01"], "leave out this"),
     (["--out", "box.octree", "--param", "max_error_mm=500"], "makes sense"),
     (["--out", "box.octree", "--param", "max_error_mm=1e-9"], "makes sense"),

@@ -115,9 +115,9 @@ def test_the_table_has_every_bar_with_its_median_spread_and_verdict(measured):
         "collision time, bvh / voxel 64": (2.5, "no"),
         "collision time, sdf 64 / voxel 64": (1.2, "yes"),
         "collision time, bvh no cache / voxel 64": (10.0, ""),
-        "sdf value + gradient / voxel test, near points, float": (11, "no"),
+        "sdf value + gradient / voxel test, near points": (11, "no"),
         "sdf build per node / cold closest point of bvh near": (0.25, "yes"),
-        "MB of sdf 64 float, dense, a bone": (7.6, "yes"),
+        "MB of sdf 64, a bone": (7.6, "yes"),
         "two threads over one, detect of all nodes, bvh": (1.8, "yes"),
         "two threads over one, detect of all nodes, sdf": (1.5, "no"),
         "two threads over one, sdf build": (1.9, "yes"),
@@ -149,7 +149,7 @@ def test_the_table_has_every_bar_with_its_median_spread_and_verdict(measured):
     assert (not_judged["measured"], not_judged["held"]) == (pytest.approx(0.1), "")
     assert setup["note"].endswith("iliacus")
     assert rows["heap allocations in a frame after the second"]["note"] == "voxel/backtrack"
-    assert rows["sdf value + gradient / voxel test, near points, float"]["note"] == "femur"
+    assert rows["sdf value + gradient / voxel test, near points"]["note"] == "femur"
 
 
 def test_the_table_says_whose_the_backends_are(measured):
@@ -185,7 +185,7 @@ def test_rows_of_a_busy_machine_are_marked(measured):
         path.write_text(json.dumps(json.loads(path.read_text()) | busy))
     measured("--report-only")
     marked = {what for what, row in measured.rows().items() if (row["note"] or "").endswith("*")}
-    near = "sdf value + gradient / voxel test, near points, float"
+    near = "sdf value + gradient / voxel test, near points"
     assert near in marked and not any("allocations" in what or "two threads" in what for what in marked)
     parts = {row["part"] for row in json.loads((measured.out / "speed.json").read_text())["rows"]
              if row["part"] and (row["note"] or "").endswith("*")}
@@ -205,7 +205,7 @@ def test_what_is_not_built_or_not_known_says_so(measured):
     near = rows["Embree's point query / cold bvh with sign, near"]
     assert code == 0 and near["measured"] is None and near["held"] == ""
     assert near["note"] == "not built: musclebench_embree" and not any("embree" in call for call in calls)
-    assert rows["MB of sdf 64 float, narrow band 10 mm, a bone"]["note"] == "not built: sdf: no 'band_m'"
+    assert rows["adaptive sdf, p99 error 0.05 mm: bytes / uniform grid's"]["note"] == "not built: sdf: no 'max_error_mm'"
 
 
 def test_a_backend_that_is_not_built_is_no_failure(table, tmp_path, monkeypatch):
@@ -223,7 +223,7 @@ def test_a_failure_is_told_and_leaves_the_other_rows(measured):
         shutil.rmtree(measured.out / "raw" / name)
     code, _, errors, _ = measured(behaviour="voxel_test=crash")
     assert code == 1 and "kernels-queries-r0: failed" in errors
-    row = measured.rows()["sdf value + gradient / voxel test, near points, float"]
+    row = measured.rows()["sdf value + gradient / voxel test, near points"]
     assert row["measured"] is None and "something went wrong" in row["note"]
     assert measured.rows()["collision time, bvh / voxel 64"]["measured"] == pytest.approx(2.5)
 

@@ -20,7 +20,7 @@ from program import PROGRAM, call, needs_program
 
 pytestmark = needs_program
 FEW = {
-    "sdf": {"series": [{"sweep": {"cells": [8]}, "fixed": {"precision": "float"}, "stores": True, "probed": True}]},
+    "sdf": {"series": [{"sweep": {"cells": [8]}, "stores": True, "probed": True}]},
     "bvh": {"series": [{}]},
 }
 
@@ -77,7 +77,7 @@ def test_a_small_study_comes_out_complete(tmp_path, monkeypatch, capfd):
     assert floor["state_hash"] != exact["state_hash"]
     arms = runs["adductor_brevis-arms-bvh-r0"]
     assert arms["case"]["preset"] == "standard" and arms["fibres"][0]["followed"] == 100
-    sdf = "sdf-cells=8,precision=float"
+    sdf = "sdf-cells=8"
     assert runs[f"adductor_brevis-probe-{sdf}-r0"]["structures"] == "built"
     assert runs[f"adductor_brevis-replay-{sdf}-r0"]["structures"] == "loaded"
     assert runs["adductor_brevis-replay-bvh-r0"]["accuracy"]["missed_contacts"] == 0

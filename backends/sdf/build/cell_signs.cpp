@@ -14,7 +14,6 @@ namespace {
 struct CellSigns {
   std::uint64_t bits = 0;
   double lipschitz_bound = 0;
-  double sign_error_distance_m = 0;
 };
 
 /// Cells whose bounds are computed together.
@@ -48,9 +47,6 @@ class CellBatch {
       // The bound is computed in floating point; this covers its rounding and that of the evaluation.
       if (bounds.lowest[n] < 1e-12 * std::max(bounds.highest[n], -bounds.lowest[n])) {
         m_signs.bits |= std::uint64_t{1} << (m_index[n] % 64);
-        // No point of the cell is farther from a vertex than the cell's diagonal.
-        const double nearest_m = std::max(0.0, std::min(cell.axis[0].low.minCoeff(), cell.axis[0].high.minCoeff()));
-        m_signs.sign_error_distance_m = std::max(m_signs.sign_error_distance_m, nearest_m + size_m.norm());
       }
     }
     m_signs.lipschitz_bound = m_lipschitz_bound;
@@ -79,19 +75,15 @@ void find_cell_signs(CubicField& field, [[maybe_unused]] int threads) {
     CellBatch batch(field, lipschitz_bound, signs[word]);
     const std::size_t end = std::min(64 * (word + 1), shape.cell_count());
     for (std::size_t index = 64 * word; index < end; ++index) {
-      if (field.has_coefficients(index)) {
-        batch.add(index);
-      }
+      batch.add(index);
     }
     batch.find_signs();
   }
   FieldFacts& facts = field.facts();
   facts.lipschitz_bound = 0;
-  facts.sign_error_distance_m = 0;
   for (std::size_t word = 0; word < signs.size(); ++word) {
     field.mask()[word] = signs[word].bits;
     facts.lipschitz_bound = std::max(facts.lipschitz_bound, slack * signs[word].lipschitz_bound);
-    facts.sign_error_distance_m = std::max(facts.sign_error_distance_m, slack * signs[word].sign_error_distance_m);
   }
 }
 

@@ -4,9 +4,8 @@
 
 namespace musclebench {
 
-/// Marks the cells where the field may be negative, and computes `lipschitz_bound` and `sign_error_distance_m`
-/// (reports/performance/field_bounds.md). The values at grid vertices are exact distances. The same bits for any number
-/// of threads.
+/// Marks the cells where the field may be negative, and computes `lipschitz_bound`
+/// (reports/performance/field_bounds.md). The same bits for any number of threads.
 void find_cell_signs(CubicField& field, int threads);
 
 }  // namespace musclebench

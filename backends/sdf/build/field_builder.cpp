@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "backends/sdf/build/band_builder.hpp"
 #include "backends/sdf/build/cell_signs.hpp"
 #include "backends/sdf/build/node_distances.hpp"
 #include "core/base/input_error.hpp"
@@ -54,24 +53,9 @@ GridShape grid_over(const TriangleMesh& mesh, const GridSettings& settings, cons
   return shape;
 }
 
-void require_sensible_band(double band_m, const GridShape& shape, const TriangleMesh& mesh,
-                           const std::string& bone_name) {
-  const double narrowest = shape.cell_size_m.norm();
-  const double widest = bounding_box(mesh.vertices).diagonal().norm();
-  if (!(band_m >= narrowest && band_m <= widest)) {
-    throw InputError(
-        fmt::format("sdf: band_m ({})", bone_name),
-        fmt::format("{} is less than the diagonal of a cell or more than that of the bone; {:.2g} to {:.2g} makes "
-                    "sense, without it all cells are kept",
-                    band_m, 1.05 * narrowest, widest));
-  }
-}
-
-CubicField build_field(const SignedSurface& surface, const GridShape& shape, const FieldSettings& settings, int threads,
+CubicField build_field(const SignedSurface& surface, const GridShape& shape, int threads,
                        const std::function<void(double)>& progress) {
-  CubicField field = settings.band_m
-                         ? CubicField(shape, settings.precision, narrow_band(surface, shape, *settings.band_m, threads))
-                         : CubicField(shape, settings.precision);
+  CubicField field(shape);
   fill_distances(surface, field, threads, progress);
   find_cell_signs(field, threads);
   field.facts().error = estimate_error(field, surface, error_samples);

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <string>
 
 #include "backends/sdf/grid/cubic_field.hpp"
@@ -21,27 +20,12 @@ struct GridSettings {
 /// the bone or absurdly small.
 GridShape grid_over(const TriangleMesh& mesh, const GridSettings& settings, const std::string& bone_name);
 
-/// Storage of a field.
-struct FieldSettings {
-  FieldPrecision precision = FieldPrecision::single_precision;
-  /// Outside the bone, how far from its surface cells have coefficients; none: all have.
-  std::optional<double> band_m = std::nullopt;
-};
-
-/// Throws InputError (about `band_m` of the bone) for a band narrower than a cell's diagonal or wider than the bone.
-void require_sensible_band(double band_m, const GridShape& shape, const TriangleMesh& mesh,
-                           const std::string& bone_name);
-
 /// Fills the grid with the exact signed distance at its nodes (Koschier et al. 2017), marks the cells where the cubic
-/// field may be negative, and estimates its error. What a narrow band keeps is the same as in the dense field, and so
-/// are the answers of a part of the grid. The same bits for any number of threads.
+/// field may be negative, and estimates its error. The answers of a part of the grid are those of the whole. The same
+/// bits for any number of threads.
 /// `progress`, where given, is called from time to time by one thread with the share that is done.
-CubicField build_field(const SignedSurface& surface, const GridShape& shape, const FieldSettings& settings, int threads,
+CubicField build_field(const SignedSurface& surface, const GridShape& shape, int threads,
                        const std::function<void(double)>& progress = {});
-inline CubicField build_field(const SignedSurface& surface, const GridShape& shape, FieldPrecision precision,
-                              int threads) {
-  return build_field(surface, shape, FieldSettings{.precision = precision}, threads);
-}
 
 /// Compares at `samples` random points of the domain within two cells (their diagonal) of the surface; deterministic.
 FieldError estimate_error(const CubicField& field, const SignedSurface& surface, int samples, std::uint64_t seed = 1);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <optional>
 #include <thread>
 #include <vector>
 
@@ -31,34 +30,6 @@ struct Record {
   std::size_t begin = 0;
   std::array<std::size_t, GridShape::record_size> offset;
 };
-
-/// Whether a cell with coefficients has this edge.
-bool has_cell_at_edge(const CubicField& field, const Index& vertex, std::size_t axis) {
-  const GridShape& shape = field.shape();
-  if (vertex[axis] >= shape.count(axis)) {
-    return false;
-  }
-  if (!field.band()) {
-    return true;
-  }
-  const std::size_t p = (axis + 1) % 3;
-  const std::size_t q = (axis + 2) % 3;
-  for (const std::size_t down : {0, 1, 2, 3}) {
-    const std::size_t down_p = down % 2;
-    const std::size_t down_q = down / 2;
-    if (vertex[p] < down_p || vertex[q] < down_q) {
-      continue;
-    }
-    Index cell = vertex;
-    cell[p] -= down_p;
-    cell[q] -= down_q;
-    if (cell[p] < shape.count(p) && cell[q] < shape.count(q) &&
-        field.has_coefficients(shape.cell(cell[0], cell[1], cell[2]))) {
-      return true;
-    }
-  }
-  return false;
-}
 
 /// Three numbers of two bits each, whose bits alternate in `number`: those that follow each other are close together.
 Index coordinates_in_block(std::size_t number) {
@@ -114,19 +85,15 @@ class NodeWalk {
     bool inside = false;
   };
 
-  /// Nothing where the field keeps none.
+  /// Nothing beyond the last vertex.
   void add_record(const Index& vertex, std::size_t number) {
     const GridShape& shape = m_field.shape();
     if (vertex[0] > shape.count(0) || vertex[1] > shape.count(1) || vertex[2] > shape.count(2)) {
       return;
     }
-    const std::optional<std::size_t> begin = m_field.record(vertex[0], vertex[1], vertex[2]);
-    if (!begin) {
-      return;
-    }
     PointBatch& batch = m_batches[number];
     Record& record = m_records[number];
-    record.begin = *begin;
+    record.begin = shape.record(vertex[0], vertex[1], vertex[2]);
     const auto at = [&](std::size_t axis, std::size_t thirds) { return m_coordinate[axis][3 * vertex[axis] + thirds]; };
     const auto add = [&](std::size_t offset) {
       const std::array<std::size_t, 3>& away = thirds_away[offset];
@@ -137,7 +104,7 @@ class NodeWalk {
     m_box.extend(batch.point[0]);
     for (std::size_t edge = 0; edge < edge_axis.size(); ++edge) {
       const std::size_t axis = edge_axis[edge];
-      if (has_cell_at_edge(m_field, vertex, axis)) {
+      if (vertex[axis] < shape.count(axis)) {
         add(2 * edge + 1);
         add(2 * edge + 2);
         double& highest = m_box.max()[static_cast<Eigen::Index>(axis)];

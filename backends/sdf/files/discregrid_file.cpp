@@ -13,7 +13,6 @@
 
 #include "backends/sdf/build/cell_signs.hpp"
 #include "backends/sdf/files/sealed_file.hpp"
-#include "core/base/input_error.hpp"
 
 namespace musclebench {
 
@@ -79,7 +78,7 @@ void for_each_node_of_cell(const Index& cell, const Visit& visit) {
 }
 
 std::size_t offset_of(const CubicField& field, const Index& at, std::size_t axis, std::size_t third) {
-  return field.record(at[0], at[1], at[2]).value() + (axis == 3 ? 0 : GridShape::edge_offset[axis] + third);
+  return field.shape().record(at[0], at[1], at[2]) + (axis == 3 ? 0 : GridShape::edge_offset[axis] + third);
 }
 
 std::size_t number_of(const NodeNumbers& numbers, const Index& at, std::size_t axis, std::size_t third) {
@@ -262,9 +261,6 @@ void store_nodes(const BinaryReader& in, const std::vector<double>& values, cons
 }  // namespace
 
 void write_discregrid(const CubicField& field, const std::filesystem::path& path) {
-  if (field.band()) {
-    throw InputError(path.string(), "Discregrid's format wants a value in every cell; leave out `band_m`");
-  }
   write_atomically(path, [&](std::ostream& out) { write_field(field, out); });
 }
 
@@ -283,7 +279,7 @@ CubicField read_discregrid(const std::filesystem::path& path, int threads) {
   if (std::any_of(map.begin(), map.end(), [&](std::uint32_t cell) { return cell >= cells.size(); })) {
     in.refuse("is damaged: it refers to cells that it does not hold");
   }
-  CubicField field(shape, FieldPrecision::single_precision);
+  CubicField field(shape);
   store_nodes(in, values, cells, map, field);
   find_cell_signs(field, threads);
   return field;

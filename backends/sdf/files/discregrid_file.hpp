@@ -12,8 +12,7 @@ namespace musclebench {
 /// of cells and of fields; then for each field the values of all nodes, for each cell its 32 nodes, and for each cell
 /// index of the grid its cell. The format names no surface and has no checksum.
 
-/// Writes a dense field, in double precision. Throws InputError (about the path) when the file can't be written or the
-/// field is a narrow band.
+/// Writes a field, in double precision. Throws InputError (about the path) when the file can't be written.
 void write_discregrid(const CubicField& field, const std::filesystem::path& path);
 
 /// Reads the first field of a file, in double precision. Throws InputError (about the path) that says what is wrong

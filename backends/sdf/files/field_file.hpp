@@ -18,9 +18,9 @@ std::string surface_digest(const RepairedMesh& surface);
 void save_field(const CubicField& field, const std::string& digest, const std::filesystem::path& path);
 
 /// Reads what `save_field` wrote; nothing when there is no such file. Throws InputError (about the path) that says
-/// what differs when the file is not a field, was written by another version or byte order, for another surface, grid,
-/// precision or band, or is damaged.
+/// what differs when the file is not a field, was written by another version or byte order, for another surface or
+/// grid, or is damaged.
 std::optional<CubicField> load_field(const std::filesystem::path& path, const std::string& digest,
-                                     const GridShape& shape, const FieldSettings& settings);
+                                     const GridShape& shape);
 
 }  // namespace musclebench

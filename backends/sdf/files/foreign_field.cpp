@@ -59,7 +59,7 @@ class ForeignField {
         m_bone_name(bone_name),
         m_path(path),
         m_slack_m(1e-3 * m_shape.cell_size_m.minCoeff() + 1e-6 * (m_shape.upper_m() - m_shape.lower_m).norm()) {
-    // In a dense field offsets of records are linear in the coordinates of their vertices.
+    // Offsets of records are linear in the coordinates of their vertices.
     for (std::size_t n = 0; n < nodes_of_cell; ++n) {
       const auto& [corner, axis, thirds] = m_nodes[n];
       m_offset[n] = m_shape.record(corner[0], corner[1], corner[2]) +

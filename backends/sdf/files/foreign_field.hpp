@@ -9,7 +9,7 @@
 namespace musclebench {
 
 /// Throws InputError (about the path) where a field from another program, whose file has neither surface nor checksum,
-/// can't be the distance field of a bone: a dense one of its surface, in metres, negative inside.
+/// can't be the distance field of a bone: one of its surface, in metres, negative inside.
 /// - It has to cover the bone and be positive at most corners of its domain.
 /// - Of some thousand nodes, near the surface and far, 99 of 100 have to hold the distance to the surface, and all of
 ///   them its side.

@@ -1,5 +1,4 @@
 #include <array>
-#include <optional>
 #include <utility>
 
 #include "backends/sdf/build/field_builder.hpp"
@@ -10,7 +9,6 @@
 #include "backends/sdf/files/octree_file.hpp"
 #include "backends/sdf/octree/octree_entry.hpp"
 #include "backends/sdf/octree/octree_polynomial.hpp"
-#include "core/base/input_error.hpp"
 #include "core/base/sha256.hpp"
 #include "core/fuzz/fuzzed_reader.hpp"
 #include "core/mesh/shapes.hpp"
@@ -32,10 +30,6 @@ const FuzzedBone& fuzzed_bone() {
   static const FuzzedBone bone;
   return bone;
 }
-
-constexpr std::array field_settings_of_files{FieldSettings{FieldPrecision::single_precision},
-                                             FieldSettings{FieldPrecision::compact},
-                                             FieldSettings{FieldPrecision::single_precision, 0.5}};
 
 /// Within the bone, near its surface, and out of the domain.
 constexpr std::array<double, 5> query_positions_m{-0.3, -0.1, 0.01, 0.07, 0.1};
@@ -63,14 +57,9 @@ std::string sealed(std::string_view bytes, std::size_t offset) {
 }
 
 std::vector<std::string> make_fields() {
-  std::vector<std::string> files;
-  for (const FieldSettings& settings : field_settings_of_files) {
-    const TemporaryFile file("", ".field");
-    const CubicField field = build_field(fuzzed_bone().distance, fuzzed_bone().shape, settings, 1);
-    save_field(field, fuzzed_bone().digest, file.path());
-    files.push_back(file.bytes());
-  }
-  return files;
+  const TemporaryFile file("", ".field");
+  save_field(build_field(fuzzed_bone().distance, fuzzed_bone().shape, 1), fuzzed_bone().digest, file.path());
+  return {file.bytes()};
 }
 
 /// Two cubes, one split; a built one has some hundred kilobytes.
@@ -95,25 +84,14 @@ std::vector<std::string> make_octrees() {
 
 std::vector<std::string> make_discregrids() {
   const TemporaryFile file("", ".cdf");
-  write_discregrid(build_field(fuzzed_bone().distance, fuzzed_bone().shape, FieldPrecision::single_precision, 1),
-                   file.path());
+  write_discregrid(build_field(fuzzed_bone().distance, fuzzed_bone().shape, 1), file.path());
   return {file.bytes()};
 }
 
-/// As one of the fields that such a file may hold; the last refusal is that of the file.
 void read_field_bytes(std::string_view bytes) {
   static const std::size_t offset = digest_offset(make_fields().front());
   const TemporaryFile file(sealed(bytes, offset), ".field");
-  std::optional<InputError> refusal;
-  for (const FieldSettings& settings : field_settings_of_files) {
-    try {
-      ask(load_field(file.path(), fuzzed_bone().digest, fuzzed_bone().shape, settings).value());
-      return;
-    } catch (const InputError& error) {
-      refusal = error;
-    }
-  }
-  throw *refusal;
+  ask(load_field(file.path(), fuzzed_bone().digest, fuzzed_bone().shape).value());
 }
 
 void read_octree_bytes(std::string_view bytes) {

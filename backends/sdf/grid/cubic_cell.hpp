@@ -34,9 +34,8 @@ struct CubicCell {
 
   /// The cell whose edge along x at (y, z) starts at record[2 y + z], where a record is a grid vertex's seven values:
   /// corner, two nodes along y, two along z, two along x; the next record of the row follows it.
-  template <typename Scalar>
-  static CubicCell gather(const std::array<const Scalar*, 4>& record) {
-    const auto edges = [](Scalar a, Scalar b, Scalar c, Scalar d) { return Edges(a, b, c, d); };
+  static CubicCell gather(const std::array<const float*, 4>& record) {
+    const auto edges = [](float a, float b, float c, float d) { return Edges(a, b, c, d); };
     const auto& [r00, r01, r10, r11] = record;
     CubicCell cell;
     cell.axis[0] = {edges(r00[0], r01[0], r10[0], r11[0]), edges(r00[5], r01[5], r10[5], r11[5]),

@@ -62,14 +62,13 @@ HWY_INLINE Part edges(const Weights& w, const Blend& first, const Blend& second)
           sum_of_products(w.first, first.of_q, w.second, second.of_q)};
 }
 
-template <typename Values>
 HWY_INLINE void evaluate_lanes(const FieldView& field, const Runs& runs, FieldBlock& block, std::size_t first) {
   const auto [corner, at] = locate_in_cell(field, block, first);
   const auto& [x, y, z] = at;
-  const Run r00 = Values::load(field, runs, 0);
-  const Run r01 = Values::load(field, runs, 1);
-  const Run r10 = Values::load(field, runs, 2);
-  const Run r11 = Values::load(field, runs, 3);
+  const Run r00 = load_run(field, runs, 0);
+  const Run r01 = load_run(field, runs, 1);
+  const Run r10 = load_run(field, runs, 2);
+  const Run r11 = load_run(field, runs, 3);
 
   // The trilinear part of the corners.
   const Blend low = blend(r00.near, r01.near, r10.near, r11.near, y, z);
@@ -102,28 +101,18 @@ HWY_INLINE void evaluate_lanes(const FieldView& field, const Runs& runs, FieldBl
               field.cells_per_m[2], block.slope_z.data());
 }
 
-template <typename Values>
-HWY_INLINE void evaluate_all(const FieldView& field, FieldBlock& block) {
+void evaluate(const FieldView& field, FieldBlock& block) {
   std::array<Runs, fetched_ahead> runs;
   const std::size_t groups = (block.count + lane_count - 1) / lane_count;
   for (std::size_t group = 0; group < groups + fetched_ahead; ++group) {
     Runs& own = runs[group % fetched_ahead];
     if (group >= fetched_ahead) {
-      evaluate_lanes<Values>(field, own, block, (group - fetched_ahead) * lane_count);
+      evaluate_lanes(field, own, block, (group - fetched_ahead) * lane_count);
     }
     if (group < groups) {
-      find_runs<Values>(field, locate_in_cell(field, block, group * lane_count).corner, own);
-      fetch<Values>(field, own);
+      find_runs(field, locate_in_cell(field, block, group * lane_count).corner, own);
+      fetch(field, own);
     }
-  }
-}
-
-void evaluate(const FieldView& field, FieldBlock& block) {
-  switch (field.precision) {
-    case FieldPrecision::compact:
-      return evaluate_all<CompactValues>(field, block);
-    case FieldPrecision::single_precision:
-      return evaluate_all<PlainValues>(field, block);
   }
 }
 

@@ -4,26 +4,15 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "backends/sdf/grid/compact_record.hpp"
-#include "backends/sdf/grid/narrow_band.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 
-/// How a field's values are kept.
-enum class FieldPrecision : std::uint8_t {
-  compact = 2,           ///< CompactRecord
-  single_precision = 4,  ///< bytes of a value
-};
-
 /// A field as its kernels read it. What it points to is the field's.
 struct FieldView {
-  FieldPrecision precision;
-  const void* values;           ///< of the first grid vertex (see GridShape), or its CompactRecord
-  const NarrowBand* band;       ///< none for a dense field
+  const float* values;          ///< from those of the first grid vertex on (see GridShape)
   std::array<double, 3> cells;  ///< along each axis
   std::array<double, 3> cells_per_m;
-  CompactSteps steps;  ///< of a compact field
 };
 
 /// Query points that are evaluated together, side by side: their positions in a field, and its value and gradient.

@@ -59,11 +59,6 @@ struct GridShape {
     return (x + 1) * (y + 1) * (z + 1) + 2 * (x * (y + 1) * (z + 1) + (x + 1) * y * (z + 1) + (x + 1) * (y + 1) * z);
   }
 
-  [[nodiscard]] std::size_t vertex_count() const { return vertex_grid().size(); }
-  [[nodiscard]] std::size_t vertex_index(std::size_t i, std::size_t j, std::size_t k) const {
-    return vertex_grid().index(i, j, k);
-  }
-
   [[nodiscard]] std::size_t row(std::size_t j, std::size_t k) const { return row_stride() * (k * (count(1) + 1) + j); }
   [[nodiscard]] std::size_t record(std::size_t i, std::size_t j, std::size_t k) const {
     return row(j, k) + record_size * i;

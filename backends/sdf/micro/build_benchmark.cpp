@@ -6,7 +6,6 @@
 #include "backends/sdf/build/field_builder.hpp"
 #include "backends/sdf/micro/field_kernels.hpp"
 #include "core/base/huge_pages.hpp"
-#include "core/base/input_error.hpp"
 
 namespace musclebench {
 namespace {
@@ -16,7 +15,7 @@ void sdf_build_a_node(benchmark::State& state, const Bone& bone, int threads) {
   const GridShape shape = grid_over(bone.surface.mesh, {.cells = field_cells}, bone.name);
   move_to_huge_pages();
   for (auto _ : state) {
-    const CubicField field = build_field(surface, shape, FieldPrecision::single_precision, threads);
+    const CubicField field = build_field(surface, shape, threads);
     benchmark::DoNotOptimize(field.bytes());
   }
   const auto nodes = static_cast<double>(shape.node_count());
@@ -24,21 +23,11 @@ void sdf_build_a_node(benchmark::State& state, const Bone& bone, int threads) {
       benchmark::Counter(nodes * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 
-/// Bytes of the field of 64 cells; with `band_m` > 0 of a narrow band.
-void sdf_bytes(benchmark::State& state, const Bone& bone, FieldPrecision precision, double band_m) {
-  FieldSettings settings{precision};
+/// Bytes of the field of 64 cells.
+void sdf_bytes(benchmark::State& state, const Bone& bone) {
   const GridShape shape = grid_over(bone.surface.mesh, {.cells = field_cells}, bone.name);
-  try {
-    if (band_m > 0) {
-      settings.band_m = band_m;
-      require_sensible_band(band_m, shape, bone.surface.mesh, bone.name);
-    }
-    for (auto _ : state) {
-      state.counters["bytes"] =
-          static_cast<double>(build_field(SignedSurface(bone.surface), shape, settings, 1).bytes());
-    }
-  } catch (const InputError& error) {
-    state.SkipWithError(error.what());
+  for (auto _ : state) {
+    state.counters["bytes"] = static_cast<double>(build_field(SignedSurface(bone.surface), shape, 1).bytes());
   }
 }
 
@@ -57,15 +46,10 @@ void register_field_build_kernels(const Scene& scene) {
         ->Arg(2)
         ->Unit(benchmark::kMillisecond)
         ->UseRealTime();
-    for (const auto& [precision, kind] :
-         {std::pair("float", FieldPrecision::single_precision), std::pair("compact", FieldPrecision::compact)}) {
-      for (const auto& [word, band_m] : {std::pair("dense", 0.0), std::pair("band_10mm", 0.01)}) {
-        benchmark::RegisterBenchmark(fmt::format("sdf_bytes/{}/{}/{}", word, precision, bone.name).c_str(),
-                                     [&bone, p = kind, b = band_m](benchmark::State& s) { sdf_bytes(s, bone, p, b); })
-            ->Iterations(1)
-            ->Unit(benchmark::kMillisecond);
-      }
-    }
+    benchmark::RegisterBenchmark(fmt::format("sdf_bytes/{}", bone.name).c_str(),
+                                 [&bone](benchmark::State& s) { sdf_bytes(s, bone); })
+        ->Iterations(1)
+        ->Unit(benchmark::kMillisecond);
   }
 }
 

@@ -56,7 +56,7 @@ void adaptive_over_uniform(benchmark::State& state, const Bone& bone) {
       const GridShape shape = grid_over(bone.surface.mesh, {.cell_size_m = cell_size_m}, bone.name);
       const CubicField uniform = [&] {
         const ScopedTimer timer(uniform_ns);
-        return build_field(surface, shape, FieldPrecision::single_precision, 1);
+        return build_field(surface, shape, 1);
       }();
       uniform_p99_m = p99_error_m(uniform, samples);
       uniform_bytes = static_cast<double>(uniform.bytes());

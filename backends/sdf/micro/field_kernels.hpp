@@ -6,10 +6,10 @@ namespace musclebench {
 
 // Each registers the kernels of one file. `scene` outlives them.
 
-/// `sdf_value_and_gradient/PRECISION/BONE`, `octree_value_and_gradient/BONE`: one query at a point, cold.
+/// `sdf_value_and_gradient/BONE`, `octree_value_and_gradient/BONE`: one query at a point, cold.
 void register_field_query_kernels(const Scene& scene);
 
-/// `sdf_build_a_node/BONE`, `sdf_build_threads/BONE/N`, `sdf_bytes/dense|band_10mm/PRECISION/BONE`.
+/// `sdf_build_a_node/BONE`, `sdf_build_threads/BONE/N`, `sdf_bytes/BONE`.
 void register_field_build_kernels(const Scene& scene);
 
 /// `adaptive_over_uniform/BONE`: bytes and build time of the adaptive field of 0.05 mm over those of the uniform grid

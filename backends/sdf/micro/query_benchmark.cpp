@@ -5,10 +5,7 @@
 #include <numeric>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
-
-#include <fmt/format.h>
 
 #include "backends/micro/point_kernels.hpp"
 #include "backends/sdf/build/field_builder.hpp"
@@ -19,12 +16,11 @@ namespace musclebench {
 namespace {
 
 /// As the backend does it: world to cells in one affine map, then value and gradient of all that are in the field.
-void sdf_value_and_gradient(benchmark::State& state, const Bone& bone, FieldPrecision precision,
-                            const std::vector<Vec3>& points) {
-  static std::map<FieldPrecision, std::map<const Bone*, std::unique_ptr<CubicField>>> fields;
-  const CubicField& field = kept(fields[precision], bone, [&] {
+void sdf_value_and_gradient(benchmark::State& state, const Bone& bone, const std::vector<Vec3>& points) {
+  static std::map<const Bone*, std::unique_ptr<CubicField>> fields;
+  const CubicField& field = kept(fields, bone, [&] {
     const GridShape shape = grid_over(bone.surface.mesh, {.cells = field_cells}, bone.name);
-    return build_field(surface_of(bone), shape, precision, 1);
+    return build_field(surface_of(bone), shape, 1);
   });
   const CellMap map(field.shape(), RigidMotion());
   std::vector<int> nodes(points.size());
@@ -67,18 +63,14 @@ void register_field_query_kernels(const Scene& scene) {
     benchmark::RegisterBenchmark(name.c_str(), kernel)->Unit(benchmark::kMicrosecond);
   };
   for (const Bone& bone : scene.bones) {
-    for (const auto& [word, precision] :
-         {std::pair("float", FieldPrecision::single_precision), std::pair("compact", FieldPrecision::compact)}) {
-      add(fmt::format("sdf_value_and_gradient/{}/{}", word, bone.name),
-          [&scene, &bone, p = precision](benchmark::State& s) {
-            sdf_value_and_gradient(s, bone, p, points_near(scene, bone, point_count));
-          });
-    }
+    add("sdf_value_and_gradient/" + bone.name, [&scene, &bone](benchmark::State& s) {
+      sdf_value_and_gradient(s, bone, points_near(scene, bone, point_count));
+    });
     // One batch again and again, whose cells stay in the first cache: what is left is computing.
     add("sdf_value_and_gradient_in_cache/" + bone.name, [&scene, &bone](benchmark::State& s) {
       std::vector<Vec3> points = points_near(scene, bone, point_count);
       points.resize(std::min(points.size(), batch_size));
-      sdf_value_and_gradient(s, bone, FieldPrecision::single_precision, points);
+      sdf_value_and_gradient(s, bone, points);
     });
     add("octree_value_and_gradient/" + bone.name, [&scene, &bone](benchmark::State& s) {
       octree_value_and_gradient(s, bone, points_near(scene, bone, point_count));

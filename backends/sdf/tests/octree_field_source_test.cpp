@@ -136,7 +136,6 @@ TEST(OctreeFieldSource, FindsItsFieldsAgain) {
 
 TEST(OctreeFieldSource, RefusesCellsOfOneSizeBesideAnError) {
   EXPECT_THROW(make_adaptive({{"cell_size_m", 0.01}}), InputError);
-  EXPECT_THROW(make_adaptive({{"band_m", 0.01}}), InputError);
   EXPECT_THROW(make_adaptive({{"discregrid", std::string("here")}}), InputError);
 }
 

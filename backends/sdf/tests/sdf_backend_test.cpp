@@ -142,45 +142,33 @@ void expect_equal_contacts(const std::vector<Contact>& one, const std::vector<Co
   }
 }
 
-TEST(SdfBackend, CacheBandsAndThreadsChangeNoContact) {
+TEST(SdfBackend, CacheAndThreadsChangeNoContact) {
   const std::vector<Bone> bones = two_bones();
   const std::vector<std::vector<Vec3>> path = wandering_nodes(30);
-  for (const std::string precision : {"float", "compact"}) {
-    const auto made = [&](const std::string& cache, double band_m, int threads = 1) {
-      Given given{{"cells", std::int64_t{24}}, {"precision", precision}, {"clearance_cache", cache}};
-      if (band_m > 0) {
-        given["band_m"] = band_m;
-      }
-      auto backend = make_grid(given);
-      backend->build(bones, {}, threads);
-      return backend;
-    };
-    const auto plain = made("off", 0);
-    const std::vector<std::unique_ptr<CollisionBackend>> others = [&] {
-      std::vector<std::unique_ptr<CollisionBackend>> result;
-      result.push_back(made("on", 0));
-      result.push_back(made("on", 0.017));
-      result.push_back(made("off", 0.017));
-      result.push_back(made("off", 0, 2));
-      result.push_back(made("on", 0, 3));
-      return result;
-    }();
-    EXPECT_LT(others[1]->structure_bytes(), plain->structure_bytes());
-    std::size_t found = 0;
-    for (std::size_t frame = 0; frame < path.size(); ++frame) {
-      const double turn = 0.02 * static_cast<double>(frame);
-      const std::vector<RigidMotion> poses{RigidMotion::about_axis(Vec3::UnitZ(), {0.1, 0, 0}, turn),
-                                           RigidMotion::about_axis(Vec3::UnitX(), {0, 0.05, 0}, -3 * turn)};
-      plain->update(poses, path[frame]);
-      const std::vector<Contact> expected = contacts_of(*plain, path[frame]);
-      found += expected.size();
-      for (const auto& backend : others) {
-        backend->update(poses, path[frame]);
-        expect_equal_contacts(contacts_of(*backend, path[frame]), expected);
-      }
+  const auto made = [&](const std::string& cache, int threads) {
+    auto backend = make_grid({{"cells", std::int64_t{24}}, {"clearance_cache", cache}});
+    backend->build(bones, {}, threads);
+    return backend;
+  };
+  const auto plain = made("off", 1);
+  std::vector<std::unique_ptr<CollisionBackend>> others;
+  others.push_back(made("on", 1));
+  others.push_back(made("off", 2));
+  others.push_back(made("on", 3));
+  std::size_t found = 0;
+  for (std::size_t frame = 0; frame < path.size(); ++frame) {
+    const double turn = 0.02 * static_cast<double>(frame);
+    const std::vector<RigidMotion> poses{RigidMotion::about_axis(Vec3::UnitZ(), {0.1, 0, 0}, turn),
+                                         RigidMotion::about_axis(Vec3::UnitX(), {0, 0.05, 0}, -3 * turn)};
+    plain->update(poses, path[frame]);
+    const std::vector<Contact> expected = contacts_of(*plain, path[frame]);
+    found += expected.size();
+    for (const auto& backend : others) {
+      backend->update(poses, path[frame]);
+      expect_equal_contacts(contacts_of(*backend, path[frame]), expected);
     }
-    EXPECT_GT(found, 3000U);
   }
+  EXPECT_GT(found, 3000U);
 }
 
 TEST(SdfBackend, TellsTheErrorOfEachStructure) {
@@ -247,19 +235,13 @@ TEST(SdfBackend, RefusesAGridThatDoesNotFitBeforeItAllocates) {
     EXPECT_NE(std::string(error.what()).find("sdf: cell_size_m"), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find(" m fit"), std::string::npos) << error.what();
   }
-  EXPECT_THROW(make_grid({{"band_m", 1e-4}})->build(bones, {}, 1), InputError);
-  EXPECT_THROW(make_grid({{"band_m", 0.0}})->build(bones, {}, 1), InputError);
-  EXPECT_THROW(make_grid({{"band_m", -0.01}}), InputError);
   EXPECT_THROW(make_grid({{"cell_size_m", 0.5}})->build(bones, {}, 1), InputError);
   EXPECT_THROW(make_grid({{"cells", std::int64_t{0}}}), InputError);
-  EXPECT_THROW(make_grid({{"precision", std::string("double")}}), InputError);
 }
 
 TEST(SdfBackend, RefusesWhatAnotherParameterMakesMeaningless) {
   const Given cells{{"cells", std::int64_t{8}}};
   const Given cell_size{{"cell_size_m", 0.01}};
-  const Given band{{"band_m", 0.03}};
-  const Given precision{{"precision", std::string("compact")}};
   const Given margin{{"margin", 0.01}};
   const Given structures{{"structures", std::string("here")}};
   const Given discregrid{{"discregrid", std::string("here")}};
@@ -273,15 +255,14 @@ TEST(SdfBackend, RefusesWhatAnotherParameterMakesMeaningless) {
     }
     return false;
   };
-  for (const Given& other : {cells, cell_size, band, precision, discregrid}) {
+  for (const Given& other : {cells, cell_size, discregrid}) {
     EXPECT_TRUE(is_refused(other, max_error)) << other.begin()->first;
   }
-  for (const Given& other : {cells, cell_size, band, precision, margin, structures}) {
+  for (const Given& other : {cells, cell_size, margin, structures}) {
     EXPECT_TRUE(is_refused(other, discregrid)) << other.begin()->first;
   }
-  EXPECT_FALSE(is_refused({{"precision", std::string("float")}}, max_error)) << "which it has anyway";
   EXPECT_TRUE(is_refused(cells, cell_size));
-  for (const Given& other : {cells, band, precision, margin, structures}) {
+  for (const Given& other : {cells, margin, structures}) {
     EXPECT_FALSE(is_refused(margin, other)) << other.begin()->first;
   }
 }
@@ -304,8 +285,7 @@ TEST(SdfBackend, KeepsItsStructuresAndChecksThem) {
     EXPECT_EQ(answers[0][i].depth_m, answers[1][i].depth_m);
     EXPECT_EQ(answers[0][i].normal, answers[1][i].normal);
   }
-  const std::filesystem::path kept =
-      folder / content_address("8cells-float", surface_digest(bones[0].surface), "field");
+  const std::filesystem::path kept = folder / content_address("8cells", surface_digest(bones[0].surface), "field");
   ASSERT_TRUE(std::filesystem::exists(kept));
   std::ofstream(kept) << "rubbish";
   EXPECT_THROW(make_grid(given)->build(bones, {}, 1), InputError);

@@ -49,9 +49,9 @@ TEST(ColliderBackends, HaveParametersOfTheirOwn) {
   ASSERT_EQ(by_scene.with_bones.size(), 4U);
   EXPECT_FALSE(by_scene.with_bones[0]);
   EXPECT_EQ(by_scene.with_bones[1]->parameters.integer("cells"), 24);
-  const ColliderBackends by_option = choose_collider_backends({"lid=sdf:cells=32,precision=compact"}, scene, sdf);
+  const ColliderBackends by_option = choose_collider_backends({"lid=sdf:cells=32,margin=0.01"}, scene, sdf);
   EXPECT_EQ(by_option.with_bones[1]->parameters.integer("cells"), 32);
-  EXPECT_EQ(by_option.with_bones[1]->parameters.word("precision"), "compact");
+  EXPECT_EQ(by_option.with_bones[1]->parameters.number("margin"), 0.01);
   EXPECT_EQ(backend_of_pair(0, sdf, coarse, by_option).parameters.integer("cells"), 16);
   const auto backend = make_backend(scene, sdf, coarse, by_option);
   backend->build(scene.bones, scene.muscle_mesh, 1);
@@ -135,7 +135,6 @@ TEST(ColliderBackends, WhatCannotBeIsRefused) {
   expect_mentions(refusal(faces, "faces=voxel"), {"--for faces=voxel", "does not answer for faces", "bvh", "sdf"});
   expect_mentions(refusal(faces, "faces=sdf:clearance_cache=off"), {"'clearance_cache' changes nothing for faces"});
   expect_mentions(refusal(faces, "faces=sdf:cell_size_m=10"), {"--for faces=sdf:cell_size_m=10"});
-  expect_mentions(refusal(faces, "faces=sdf:band_m=0.01"), {"--for faces=sdf:band_m=0.01", "leave out band_m"});
   const std::string named = both() + pair("ball", "bar", "backend = \"sdf\"");
   for (const std::string& text : {named, "[contact]\nmuscle_contact = true\nmuscle_backend = \"sdf\"\n" + both()}) {
     const Scene unable = read_scene(request(text));

@@ -93,7 +93,7 @@ class Configuration:
 
     @property
     def spoken(self) -> str:
-        """As people write it: `distance field, 32 cells, compact`."""
+        """As people write it: `distance field, 32 cells, no cache`."""
         if self.size is not None:
             return ", ".join([self.about.title, self._spoken_size(), *self._words_beside_size()])
         is_told = not self.is_default or self.about.has_many_choices

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <random>
 #include <string>
 #include <utility>
@@ -12,7 +11,6 @@
 
 #include <gtest/gtest.h>
 
-#include "backends/sdf/build/field_memory.hpp"
 #include "backends/sdf/grid/tests/field_samples.hpp"
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"
@@ -21,8 +19,6 @@
 
 namespace musclebench {
 namespace {
-
-constexpr auto single_precision = FieldPrecision::single_precision;
 
 RepairedMesh surface_of(TriangleMesh mesh, bool clean = true) { return {std::move(mesh), clean, {}}; }
 
@@ -78,7 +74,7 @@ TEST(BuildField, HoldsTheExactSignedDistanceAtEveryNode) {
     GridShape shape = grid_over(capsule.mesh, {.margin = 0.1}, "capsule");
     shape.cells = {5, 6, 9};
     shape.cell_size_m = shape.cell_size_m.cwiseProduct(Vec3(64.0 / 5, 64.0 / 6, 64.0 / 9));
-    const CubicField field = build_field(surface, shape, single_precision, 1);
+    const CubicField field = build_field(surface, shape, 1);
     for_each_node(shape, [&](std::size_t offset, const Vec3& position) {
       EXPECT_NEAR(field.stored(offset), *surface.distance(position, 10), 4e-8);
     });
@@ -95,13 +91,13 @@ TEST(BuildField, CarriesNoSignThroughAHole) {
   const SignedSurface surface(surface_of(ball, false));
   ASSERT_FALSE(surface.closed());
   const GridShape shape = grid_over(ball, {.cells = 16, .margin = 0.1}, "ball");
-  const CubicField field = build_field(surface, shape, single_precision, 1);
+  const CubicField field = build_field(surface, shape, 1);
   for (std::size_t k = 0; k <= 16; ++k) {
     for (std::size_t j = 0; j <= 16; ++j) {
       for (std::size_t i = 0; i <= 16; ++i) {
         const Vec3 cells(static_cast<double>(i), static_cast<double>(j), static_cast<double>(k));
         const Vec3 point = shape.lower_m + cells.cwiseProduct(shape.cell_size_m);
-        EXPECT_EQ(field.stored(*field.record(i, j, k)) < 0, surface.locate(point).inside) << point.transpose();
+        EXPECT_EQ(field.stored(shape.record(i, j, k)) < 0, surface.locate(point).inside) << point.transpose();
       }
     }
   }
@@ -111,10 +107,10 @@ TEST(BuildField, DoesNotDependOnTheNumberOfThreads) {
   const RepairedMesh box = surface_of(make_box({0.5, 0.2, 0.3}, 5));
   const SignedSurface surface(box);
   const GridShape shape = grid_over(box.mesh, {.cells = 21}, "box");
-  const CubicField one = build_field(surface, shape, single_precision, 1);
+  const CubicField one = build_field(surface, shape, 1);
   for (const int threads : {2, 3}) {
-    const CubicField several = build_field(surface, shape, single_precision, threads);
-    EXPECT_EQ(one.single_values(), several.single_values());
+    const CubicField several = build_field(surface, shape, threads);
+    EXPECT_EQ(one.values(), several.values());
     EXPECT_EQ(one.mask(), several.mask());
   }
 }
@@ -147,125 +143,34 @@ TEST(BuildField, MarksEveryCellWhereTheFieldIsNegative) {
   for (const auto& [bone, most_flagged] : bones) {
     const SignedSurface surface(bone);
     const GridShape shape = grid_over(bone.mesh, {.cells = 11}, "bone");
-    expect_mask_is_rigorous(build_field(surface, shape, single_precision, 1), most_flagged);
+    expect_mask_is_rigorous(build_field(surface, shape, 1), most_flagged);
   }
 }
 
 TEST(BuildField, NoTwoValuesDifferByMoreThanTheLipschitzBoundAllows) {
   for (const RepairedMesh& bone : {surface_of(make_box({0.5, 0.2, 0.3}, 3)), sphere_with_fin()}) {
     const SignedSurface surface(bone);
-    for (const FieldPrecision precision : {single_precision, FieldPrecision::compact}) {
-      const CubicField field = build_field(surface, grid_over(bone.mesh, {.cells = 9}, "bone"), precision, 1);
-      const double lipschitz_bound = field.facts().lipschitz_bound;
-      EXPECT_GE(lipschitz_bound, 1);
-      EXPECT_LT(lipschitz_bound, 6);
-      const std::vector<Vec3> points = points_over(field.shape(), 4000);
-      double found = 0;
-      for (std::size_t n = 1; n < points.size(); ++n) {
-        // Near and far pairs.
-        const Vec3 other = points[n] + (n % 2 == 0 ? 1.0 : 1e-4) * (points[n - 1] - points[n]);
-        const double rise = std::abs(*field.value(points[n]) - *field.value(other)) / (points[n] - other).norm();
-        found = std::max(found, rise);
-      }
-      EXPECT_LE(found, lipschitz_bound);
-      EXPECT_GE(found, 0.5 * lipschitz_bound) << "the bound is loose";
+    const CubicField field = build_field(surface, grid_over(bone.mesh, {.cells = 9}, "bone"), 1);
+    const double lipschitz_bound = field.facts().lipschitz_bound;
+    EXPECT_GE(lipschitz_bound, 1);
+    EXPECT_LT(lipschitz_bound, 6);
+    const std::vector<Vec3> points = points_over(field.shape(), 4000);
+    double found = 0;
+    for (std::size_t n = 1; n < points.size(); ++n) {
+      // Near and far pairs.
+      const Vec3 other = points[n] + (n % 2 == 0 ? 1.0 : 1e-4) * (points[n - 1] - points[n]);
+      const double rise = std::abs(*field.value(points[n]) - *field.value(other)) / (points[n] - other).norm();
+      found = std::max(found, rise);
     }
-  }
-}
-
-TEST(BuildField, IsNotNegativeBeyondItsSignErrorDistance) {
-  const RepairedMesh bone = sphere_with_fin();
-  const SignedSurface surface(bone);
-  const CubicField field = build_field(surface, grid_over(bone.mesh, {.cells = 9}, "bone"), single_precision, 1);
-  EXPECT_LE(field.facts().sign_error_distance_m, 3 * field.shape().cell_size_m.norm());
-  for (const Vec3& point : points_over(field.shape(), 20000)) {
-    if (surface.distance(point).value() > field.facts().sign_error_distance_m) {
-      EXPECT_GE(*field.value(point), 0) << point.transpose();
-    }
-  }
-}
-
-void expect_band_of(const SignedSurface& surface, const GridShape& shape, const FieldSettings& settings,
-                    double most_bytes) {
-  const CubicField dense = build_field(surface, shape, settings.precision, 1);
-  const CubicField band = build_field(surface, shape, settings, 2);
-  EXPECT_LE(band.bytes(), most_bytes * static_cast<double>(dense.bytes()));
-  std::size_t known = 0;
-  for (const Vec3& point : points_over(shape, 20000)) {
-    const double exact = surface.distance(point).value();
-    const std::optional<FieldSample> found = band.sample(point);
-    const CellPosition in_cell = band.locate(point).value();
-    if (found) {
-      ++known;
-      EXPECT_EQ(found->value_m, dense.sample(point)->value_m);
-      EXPECT_EQ(found->gradient, dense.sample(point)->gradient);
-      EXPECT_EQ(band.may_be_negative(shape.cell(in_cell.i, in_cell.j, in_cell.k)),
-                dense.may_be_negative(shape.cell(in_cell.i, in_cell.j, in_cell.k)));
-    } else {
-      const double bound = static_cast<double>(band.band()->far_m(in_cell.i, in_cell.j, in_cell.k));
-      EXPECT_LE(bound, exact);
-      EXPECT_GT(exact, *settings.band_m);
-      EXPECT_GT(bound, 0.9 * *settings.band_m);
-      EXPECT_FALSE(band.may_be_negative(shape.cell(in_cell.i, in_cell.j, in_cell.k)));
-    }
-  }
-  EXPECT_GT(known, 100U);
-}
-
-TEST(BuildField, BandHoldsWhatTheDenseFieldHoldsThere) {
-  // A ball in the corner of a long box leaves much of it far away.
-  TriangleMesh mesh = make_sphere(0.1, 3);
-  const TriangleMesh box = make_box({0.02, 0.02, 0.3}, 3);
-  const auto first = static_cast<int>(mesh.vertices.size());
-  for (const Vec3& vertex : box.vertices) {
-    mesh.vertices.push_back(vertex + Vec3(0.3, 0.2, 0.1));
-  }
-  for (const Triangle& triangle : box.triangles) {
-    mesh.triangles.push_back({triangle[0] + first, triangle[1] + first, triangle[2] + first});
-  }
-  const RepairedMesh bone = surface_of(mesh, false);
-  const SignedSurface surface(bone);
-  GridShape shape = grid_over(bone.mesh, {.cells = 22}, "bone");
-  shape.cells = {22, 19, 26};  // no multiple of a block, in no direction
-  for (const FieldPrecision precision : {single_precision, FieldPrecision::compact}) {
-    expect_band_of(surface, shape, {precision, 0.05}, 0.6);
-  }
-}
-
-TEST(BuildField, BandThatCannotBeMeantIsRefused) {
-  const TriangleMesh box = make_box({0.05, 0.1, 0.025}, 1);
-  const GridShape shape = grid_over(box, {.cells = 20}, "femur");
-  for (const double band_m : {-0.01, 0.0, 0.001, 0.5, std::nan("")}) {
-    try {
-      require_sensible_band(band_m, shape, box, "femur");
-      FAIL() << band_m;
-    } catch (const InputError& error) {
-      const std::string line = error.what();
-      EXPECT_NE(line.find("band_m (femur)"), std::string::npos) << line;
-      EXPECT_NE(line.find("0.012 to 0.23 makes sense, without it all"), std::string::npos) << line;
-    }
-  }
-  require_sensible_band(0.0125, shape, box, "femur");
-}
-
-TEST(BytesToBuild, AreAboutWhatABandTakes) {
-  for (const TriangleMesh& mesh : {make_capsule(0.02, 0.2, 24), make_box({0.05, 0.1, 0.025}, 4), make_sphere(0.1, 3)}) {
-    const RepairedMesh bone = surface_of(mesh);
-    for (const auto& [cells, band_m] : {std::pair(40, 0.02), {80, 0.01}}) {
-      const GridShape shape = grid_over(bone.mesh, {.cells = cells}, "bone");
-      const FieldSettings settings{.band_m = band_m};
-      const double bytes = static_cast<double>(build_field(SignedSurface(bone), shape, settings, 2).bytes());
-      const double estimated = bytes_to_build(bone.mesh, shape, settings);
-      EXPECT_GT(estimated, bytes);
-      EXPECT_LT(estimated, 1.6 * bytes);
-    }
+    EXPECT_LE(found, lipschitz_bound);
+    EXPECT_GE(found, 0.5 * lipschitz_bound) << "the bound is loose";
   }
 }
 
 TEST(BuildField, ReportsWhatIsDone) {
   const RepairedMesh bone = surface_of(make_sphere(0.1, 3));
   std::vector<double> shares;
-  (void)build_field(SignedSurface(bone), grid_over(bone.mesh, {.cells = 16}, "bone"), FieldSettings{}, 1,
+  (void)build_field(SignedSurface(bone), grid_over(bone.mesh, {.cells = 16}, "bone"), 1,
                     [&](double share) { shares.push_back(share); });
   ASSERT_FALSE(shares.empty());
   EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
@@ -282,8 +187,7 @@ TEST(BuildField, ErrorOnThePelvisFallsWithEveryHalvingOfTheCell) {
   const SignedSurface surface(pelvis);
   FieldError last{.largest_m = 1, .p99_m = 1, .mean_m = 1};
   for (const int cells : {8, 16, 32, 64}) {
-    const CubicField field =
-        build_field(surface, grid_over(pelvis.mesh, {.cells = cells}, "pelvis"), single_precision, 2);
+    const CubicField field = build_field(surface, grid_over(pelvis.mesh, {.cells = cells}, "pelvis"), 2);
     const FieldError& error = field.facts().error;
     EXPECT_LT(error.largest_m, last.largest_m);
     EXPECT_LT(error.p99_m, 0.7 * last.p99_m);
@@ -295,7 +199,7 @@ TEST(BuildField, ErrorOnThePelvisFallsWithEveryHalvingOfTheCell) {
 TEST(BuildField, SignsAZeroThicknessFinByTheWindingNumber) {
   const RepairedMesh bone = sphere_with_fin();
   const SignedSurface surface(bone);
-  const CubicField field = build_field(surface, grid_over(bone.mesh, {.cells = 30}, "fin"), single_precision, 1);
+  const CubicField field = build_field(surface, grid_over(bone.mesh, {.cells = 30}, "fin"), 1);
   const FieldError error = estimate_error(field, surface, 5000);
   EXPECT_LT(error.deepest_wrong_sign_m, field.shape().cell_size_m.norm());
   for (const Vec3& beyond : {Vec3(2.0, 0.1, 0.1), Vec3(1.9, -0.1, 0.3), Vec3(1.5, 0, 0.2)}) {
@@ -312,7 +216,7 @@ TEST(BuildField, FemurIsWithinSomeHundredMicrometres) {
   const RepairedMesh femur = repair_mesh(read_mesh(*folder / "meshes/femur_r.ply"), "femur");
   ASSERT_TRUE(femur.clean);
   const SignedSurface surface(femur);
-  const CubicField field = build_field(surface, grid_over(femur.mesh, {.cells = 32}, "femur"), single_precision, 2);
+  const CubicField field = build_field(surface, grid_over(femur.mesh, {.cells = 32}, "femur"), 2);
   const FieldError error = estimate_error(field, surface, 4000);
   EXPECT_LT(error.p99_m, 0.4e-3);
   EXPECT_LT(error.largest_m, 2e-3);
@@ -326,7 +230,7 @@ TEST(BuildField, PelvisHasNoWrongSignsAwayFromItsSurface) {
   }
   const RepairedMesh pelvis = repair_mesh(read_mesh(*folder / "meshes/pelvis.ply"), "pelvis");
   const SignedSurface surface(pelvis);
-  const CubicField field = build_field(surface, grid_over(pelvis.mesh, {.cells = 16}, "pelvis"), single_precision, 2);
+  const CubicField field = build_field(surface, grid_over(pelvis.mesh, {.cells = 16}, "pelvis"), 2);
   const FieldError error = estimate_error(field, surface, 2000);
   EXPECT_EQ(error.samples, 2000);
   EXPECT_LT(error.deepest_wrong_sign_m, field.shape().cell_size_m.norm());

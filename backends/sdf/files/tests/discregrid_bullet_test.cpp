@@ -28,28 +28,26 @@ TEST(DiscregridFile, SaysTheSameToBullet) {
   GridShape shape = grid_over(bone.mesh, {.cells = 7}, "box");
   shape.cells = {7, 5, 4};
   shape.cell_size_m = shape.cell_size_m.cwiseProduct(Vec3(1, 7.0 / 5, 7.0 / 4));
-  for (const FieldPrecision precision : {FieldPrecision::single_precision, FieldPrecision::compact}) {
-    const CubicField field = build_field(SignedSurface(bone), shape, precision, 1);
-    const TemporaryFolder folder;
-    const std::filesystem::path path = folder / "field.cdf";
-    write_discregrid(field, path);
-    const btMiniSDF bullet = read_with_bullet(path);
-    ASSERT_TRUE(bullet.isValid());
-    RandomNumbers random(1);
-    for (int i = 0; i < 5000; ++i) {
-      const double x = random.share();
-      const double y = random.share();
-      const Vec3 share(x, y, random.share());
-      const Vec3 point = shape.lower_m + share.cwiseProduct(shape.upper_m() - shape.lower_m);
-      double value = 0;
-      btVector3 gradient;
-      ASSERT_TRUE(bullet.interpolate(0, value, {point[0], point[1], point[2]}, &gradient));
-      const FieldSample ours = field.sample(point).value();
-      constexpr double rounding = 1e-13;
-      EXPECT_NEAR(value, ours.value_m, 0.1 * rounding);
-      for (int axis = 0; axis < 3; ++axis) {
-        EXPECT_NEAR(gradient[axis], ours.gradient[axis], 100 * rounding);
-      }
+  const CubicField field = build_field(SignedSurface(bone), shape, 1);
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / "field.cdf";
+  write_discregrid(field, path);
+  const btMiniSDF bullet = read_with_bullet(path);
+  ASSERT_TRUE(bullet.isValid());
+  RandomNumbers random(1);
+  for (int i = 0; i < 5000; ++i) {
+    const double x = random.share();
+    const double y = random.share();
+    const Vec3 share(x, y, random.share());
+    const Vec3 point = shape.lower_m + share.cwiseProduct(shape.upper_m() - shape.lower_m);
+    double value = 0;
+    btVector3 gradient;
+    ASSERT_TRUE(bullet.interpolate(0, value, {point[0], point[1], point[2]}, &gradient));
+    const FieldSample ours = field.sample(point).value();
+    constexpr double rounding = 1e-13;
+    EXPECT_NEAR(value, ours.value_m, 0.1 * rounding);
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_NEAR(gradient[axis], ours.gradient[axis], 100 * rounding);
     }
   }
 }

@@ -15,17 +15,14 @@
 namespace musclebench {
 namespace {
 
-constexpr auto single_precision = FieldPrecision::single_precision;
-
 class FieldFile : public StoredFileTest {
  protected:
   FieldFile() : StoredFileTest("deep/bone.field") {}
 
-  [[nodiscard]] std::string refusal(const std::string& digest, const GridShape& shape, FieldPrecision precision,
-                                    std::optional<double> band_m = std::nullopt) const {
-    return refusal_by([&] { (void)load_field(m_path, digest, shape, {precision, band_m}); });
+  [[nodiscard]] std::string refusal(const std::string& digest, const GridShape& shape) const {
+    return refusal_by([&] { (void)load_field(m_path, digest, shape); });
   }
-  [[nodiscard]] std::string refusal() const { return refusal(m_digest, m_shape, single_precision); }
+  [[nodiscard]] std::string refusal() const { return refusal(m_digest, m_shape); }
 
   void expect_refusal_of_change(const std::string& words, const std::function<void(std::string&)>& edit) const {
     save_field(m_field, m_digest, m_path);
@@ -36,61 +33,43 @@ class FieldFile : public StoredFileTest {
   RepairedMesh m_bone{make_sphere(0.1, 2), true, {}};
   GridShape m_shape = grid_over(m_bone.mesh, {.cells = 6}, "sphere");
   std::string m_digest = surface_digest(m_bone);
-  CubicField m_field = build_field(SignedSurface(m_bone), m_shape, single_precision, 1);
+  CubicField m_field = build_field(SignedSurface(m_bone), m_shape, 1);
 };
 
 TEST_F(FieldFile, ComesBackAsItWas) {
-  EXPECT_FALSE(load_field(m_path, m_digest, m_shape, {}));
-  for (const FieldSettings& settings :
-       {FieldSettings{single_precision}, FieldSettings{FieldPrecision::compact}, FieldSettings{single_precision, 0.5},
-        FieldSettings{FieldPrecision::compact, 0.5}}) {
-    const CubicField field = build_field(SignedSurface(m_bone), m_shape, settings, 1);
-    save_field(field, m_digest, m_path);
-    const std::optional<CubicField> loaded = load_field(m_path, m_digest, m_shape, settings);
-    ASSERT_TRUE(loaded);
-    EXPECT_EQ(loaded->single_values(), field.single_values());
-    EXPECT_EQ(loaded->mask(), field.mask());
-    EXPECT_EQ(loaded->shape(), field.shape());
-    EXPECT_EQ(loaded->bytes(), field.bytes());
-    EXPECT_EQ(loaded->facts().lipschitz_bound, field.facts().lipschitz_bound);
-    EXPECT_EQ(loaded->facts().sign_error_distance_m, field.facts().sign_error_distance_m);
-    EXPECT_EQ(loaded->facts().error.p99_m, field.facts().error.p99_m);
-    EXPECT_GT(loaded->facts().error.samples, 0);
-    for (const double x : {0.0, 0.3, 0.7, 0.99, 1.001}) {
-      EXPECT_EQ(loaded->value({x, 0.1, -0.2}), field.value({x, 0.1, -0.2}));
-    }
-    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(m_path.parent_path()), {}), 1) << "something is left";
+  EXPECT_FALSE(load_field(m_path, m_digest, m_shape));
+  save_field(m_field, m_digest, m_path);
+  const std::optional<CubicField> loaded = load_field(m_path, m_digest, m_shape);
+  ASSERT_TRUE(loaded);
+  EXPECT_EQ(loaded->values(), m_field.values());
+  EXPECT_EQ(loaded->mask(), m_field.mask());
+  EXPECT_EQ(loaded->shape(), m_field.shape());
+  EXPECT_EQ(loaded->bytes(), m_field.bytes());
+  EXPECT_EQ(loaded->facts().lipschitz_bound, m_field.facts().lipschitz_bound);
+  EXPECT_EQ(loaded->facts().error.p99_m, m_field.facts().error.p99_m);
+  EXPECT_GT(loaded->facts().error.samples, 0);
+  for (const double x : {0.0, 0.3, 0.7, 0.99, 1.001}) {
+    EXPECT_EQ(loaded->value({x, 0.1, -0.2}), m_field.value({x, 0.1, -0.2}));
   }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(m_path.parent_path()), {}), 1) << "something is left";
 }
 
 TEST_F(FieldFile, OfAnotherSurfaceIsRefused) {
   save_field(m_field, m_digest, m_path);
   RepairedMesh other = m_bone;
   other.mesh.vertices[3].x() += 1e-15;
-  EXPECT_NE(refusal(surface_digest(other), m_shape, single_precision).find("another surface"), std::string::npos);
+  EXPECT_NE(refusal(surface_digest(other), m_shape).find("another surface"), std::string::npos);
   other = m_bone;
   other.clean = false;
-  EXPECT_NE(refusal(surface_digest(other), m_shape, single_precision).find("another surface"), std::string::npos);
+  EXPECT_NE(refusal(surface_digest(other), m_shape).find("another surface"), std::string::npos);
 }
 
 TEST_F(FieldFile, OfOtherParametersIsRefused) {
   save_field(m_field, m_digest, m_path);
   const GridShape finer = grid_over(m_bone.mesh, {.cells = 7}, "sphere");
-  EXPECT_NE(refusal(m_digest, finer, single_precision).find("6 x 6 x 6 cells, wanted are 7 x 7 x 7"),
-            std::string::npos);
+  EXPECT_NE(refusal(m_digest, finer).find("6 x 6 x 6 cells, wanted are 7 x 7 x 7"), std::string::npos);
   const GridShape wider = grid_over(m_bone.mesh, {.cells = 6, .margin = 0.1}, "sphere");
-  EXPECT_NE(refusal(m_digest, wider, single_precision).find("another box"), std::string::npos);
-  EXPECT_NE(refusal(m_digest, m_shape, FieldPrecision::compact).find("of precision float, wanted is compact"),
-            std::string::npos);
-  EXPECT_NE(refusal(m_digest, m_shape, single_precision, 0.5).find("band of 0 m, wanted is 0.5 m"), std::string::npos);
-}
-
-TEST_F(FieldFile, OfDoublesIsRefusedByThatName) {
-  // Behind the mark (16 bytes), the corner and the cell's edges (48), and the cells (12).
-  expect_refusal_of_change("was stored with `precision=double`", [](std::string& content) {
-    ASSERT_EQ(content[16 + 48 + 12], 4);
-    content[16 + 48 + 12] = 8;
-  });
+  EXPECT_NE(refusal(m_digest, wider).find("another box"), std::string::npos);
 }
 
 TEST_F(FieldFile, ThatIsDamagedIsRefused) {

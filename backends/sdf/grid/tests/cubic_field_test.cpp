@@ -14,8 +14,6 @@
 namespace musclebench {
 namespace {
 
-constexpr auto single_precision = FieldPrecision::single_precision;
-
 GridShape cube_grid(int cells) {
   GridShape shape;
   shape.lower_m = Vec3::Constant(-1);
@@ -28,11 +26,11 @@ double sphere(const Vec3& point) { return point.norm() - 0.7; }
 
 RepairedMesh clean_surface(TriangleMesh mesh) { return {std::move(mesh), true, {}}; }
 
-TEST(GridShape, DenseFieldOf64CellsStaysBelow7700000Bytes) {
-  const CubicField field(cube_grid(64), single_precision);
-  EXPECT_EQ(field.single_values().size() * sizeof(float), 7655700U);
+TEST(GridShape, FieldOf64CellsStaysBelow7700000Bytes) {
+  const CubicField field(cube_grid(64));
+  EXPECT_EQ(field.values().size() * sizeof(float), 7655700U);
   EXPECT_LE(field.bytes(), 7700000U);
-  EXPECT_EQ(CubicField::bytes_needed(field.shape(), single_precision), static_cast<double>(field.bytes()));
+  EXPECT_EQ(CubicField::bytes_needed(field.shape()), static_cast<double>(field.bytes()));
   EXPECT_EQ(field.shape().node_count(), 1897025U);
 }
 
@@ -61,7 +59,7 @@ TEST(CubicField, ReproducesCubicsOverStretchedCells) {
     return Vec3(1 + 2 * p.x() * p.y() + 3 * p.y() * p.z(), -2 * p.z() + p.x() * p.x() + 3 * p.x() * p.z(),
                 -2 * p.y() - 3 * p.z() * p.z() + 3 * p.x() * p.y());
   };
-  const CubicField field = interpolate(shape, single_precision, cubic);
+  const CubicField field = interpolate(shape, cubic);
   for (const Vec3& point : random_points(1, 200, 9)) {
     EXPECT_NEAR(*field.value(point), cubic(point), 2e-6);
     const std::optional<FieldSample> sample = field.sample(point);
@@ -73,7 +71,7 @@ TEST(CubicField, ReproducesCubicsOverStretchedCells) {
 TEST(CubicField, IsContinuousAcrossFaces) {
   std::mt19937 generator(3);
   std::normal_distribution<double> noise;
-  const CubicField field = interpolate(cube_grid(4), single_precision, [&](const Vec3&) { return noise(generator); });
+  const CubicField field = interpolate(cube_grid(4), [&](const Vec3&) { return noise(generator); });
   std::uniform_real_distribution<double> unit(0, 1);
   for (std::size_t i = 0; i < 3; ++i) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -88,7 +86,7 @@ TEST(CubicField, IsContinuousAcrossFaces) {
 }
 
 TEST(CubicField, KnowsNothingOutsideItsDomain) {
-  const CubicField field = interpolate(cube_grid(2), single_precision, sphere);
+  const CubicField field = interpolate(cube_grid(2), sphere);
   EXPECT_FALSE(field.value({1.001, 0, 0}));
   EXPECT_FALSE(field.sample({0, 0, -1.001}));
   EXPECT_FALSE(field.value({0, std::nan(""), 0}));
@@ -99,7 +97,7 @@ TEST(CubicField, KnowsNothingOutsideItsDomain) {
 TEST(CubicField, HalvingTheCellsOfASphereDividesTheErrorByEight) {
   double last = 0;
   for (const int cells : {8, 16, 32}) {
-    const CubicField field = interpolate(cube_grid(cells), single_precision, sphere);
+    const CubicField field = interpolate(cube_grid(cells), sphere);
     double largest = 0;
     for (const Vec3& point : random_points(1, 20000, 9)) {
       if (point.norm() > 0.5) {  // the centre, where distance has a kink, is left out
@@ -119,7 +117,7 @@ TEST(CubicField, ErrorOfABoxFallsWithItsCells) {
   const SignedSurface surface(box);
   double last = 0;
   for (const int cells : {9, 18, 36}) {
-    const CubicField field = build_field(surface, grid_over(box.mesh, {.cells = cells}, "box"), single_precision, 1);
+    const CubicField field = build_field(surface, grid_over(box.mesh, {.cells = cells}, "box"), 1);
     const FieldError error = estimate_error(field, surface, 20000);
     EXPECT_EQ(error.samples, 20000);
     EXPECT_LE(error.largest_m, 0.5 * field.shape().cell_size_m.maxCoeff());
@@ -130,18 +128,8 @@ TEST(CubicField, ErrorOfABoxFallsWithItsCells) {
   }
 }
 
-TEST(CubicField, CompactRecordsRoundToAFractionOfACell) {
-  const GridShape shape = cube_grid(8);
-  const CubicField compact = interpolate(shape, FieldPrecision::compact, sphere);
-  for_each_node(shape, [&](std::size_t offset, const Vec3& position) {
-    EXPECT_NEAR(compact.stored(offset), sphere(position), shape.cell_size_m.x() / 90000);
-  });
-  EXPECT_EQ(compact.bytes(), 9U * 9 * 9 * 16 + 512 / 8);
-  EXPECT_EQ(CubicField::bytes_needed(shape, FieldPrecision::compact), static_cast<double>(compact.bytes()));
-}
-
 TEST(CubicField, SinglePrecisionIsOnlyRounded) {
-  const CubicField coarse = interpolate(cube_grid(8), single_precision, sphere);
+  const CubicField coarse = interpolate(cube_grid(8), sphere);
   for_each_node(coarse.shape(), [&](std::size_t offset, const Vec3& position) {
     EXPECT_EQ(coarse.stored(offset), static_cast<double>(static_cast<float>(sphere(position))));
   });

@@ -19,27 +19,25 @@ namespace musclebench {
 namespace {
 
 using Wanted = CubicField::Wanted;
-constexpr FieldPrecision precisions[] = {FieldPrecision::single_precision, FieldPrecision::compact};
 
 /// Values without any pattern, on cells that are no cubes.
-CubicField noisy_field(FieldPrecision precision) {
+CubicField noisy_field() {
   GridShape shape;
   shape.lower_m = Vec3(-1, -0.9, -1.1);
   shape.cell_size_m = Vec3(2.0 / 3, 2.0 / 5, 2.0 / 4);
   shape.cells = {3, 5, 4};
   std::mt19937 generator(3);
   std::uniform_real_distribution<double> noise(-0.1, 0.1);
-  return interpolate(shape, precision, [&](const Vec3&) { return noise(generator); });
+  return interpolate(shape, [&](const Vec3&) { return noise(generator); });
 }
 
-/// A ball, a narrow band about it.
-CubicField band_field(FieldPrecision precision) {
+/// A ball in the middle of its domain.
+CubicField ball_field() {
   const RepairedMesh bone{make_sphere(0.1, 4), true, {}};
-  FieldSettings settings{precision, 0.03};
   GridShape shape = grid_over(bone.mesh, {.cells = 19}, "bone");
   shape.cell_size_m *= 1.5;
   shape.lower_m *= 1.5;
-  return build_field(SignedSurface(bone), shape, settings, 1);
+  return build_field(SignedSurface(bone), shape, 1);
 }
 
 struct Answer {
@@ -82,29 +80,27 @@ void expect_equal(const std::optional<Answer>& one, const std::optional<Answer>&
 
 /// Against the plain code of CubicCell.
 TEST(CubicKernel, EvaluatesWhatTheCellsSay) {
-  for (const FieldPrecision precision : precisions) {
-    const CubicField field = noisy_field(precision);
-    const GridShape& shape = field.shape();
-    const std::vector<Vec3> positions = positions_about(shape, oblique_pose(), 700);
-    const auto answers = query_all(field, oblique_pose(), positions, all_of(positions));
-    std::size_t found = 0;
-    for (std::size_t n = 0; n < positions.size(); ++n) {
-      const Vec3 rest = oblique_pose().apply_inverse(positions[n]);
-      const Vec3 cells = (rest - shape.lower_m).cwiseQuotient(shape.cell_size_m);
-      ASSERT_EQ(answers[n].has_value(), shape.contains(cells)) << n;
-      if (answers[n]) {
-        ++found;
-        EXPECT_NEAR((answers[n]->cells - cells).norm(), 0, 1e-14);
-        const CellPosition in_cell = shape.locate(answers[n]->cells);
-        Vec3 slope;
-        const double value = field.cell(in_cell.i, in_cell.j, in_cell.k).value_and_gradient(in_cell.at, slope);
-        EXPECT_NEAR(answers[n]->sample.value_m, value, 1e-15);
-        EXPECT_NEAR((answers[n]->sample.gradient - slope.cwiseQuotient(shape.cell_size_m)).norm(), 0, 1e-14);
-      }
+  const CubicField field = noisy_field();
+  const GridShape& shape = field.shape();
+  const std::vector<Vec3> positions = positions_about(shape, oblique_pose(), 700);
+  const auto answers = query_all(field, oblique_pose(), positions, all_of(positions));
+  std::size_t found = 0;
+  for (std::size_t n = 0; n < positions.size(); ++n) {
+    const Vec3 rest = oblique_pose().apply_inverse(positions[n]);
+    const Vec3 cells = (rest - shape.lower_m).cwiseQuotient(shape.cell_size_m);
+    ASSERT_EQ(answers[n].has_value(), shape.contains(cells)) << n;
+    if (answers[n]) {
+      ++found;
+      EXPECT_NEAR((answers[n]->cells - cells).norm(), 0, 1e-14);
+      const CellPosition in_cell = shape.locate(answers[n]->cells);
+      Vec3 slope;
+      const double value = field.cell(in_cell.i, in_cell.j, in_cell.k).value_and_gradient(in_cell.at, slope);
+      EXPECT_NEAR(answers[n]->sample.value_m, value, 1e-15);
+      EXPECT_NEAR((answers[n]->sample.gradient - slope.cwiseQuotient(shape.cell_size_m)).norm(), 0, 1e-14);
     }
-    EXPECT_GT(found, 300U);
-    EXPECT_LT(found, 600U);
   }
+  EXPECT_GT(found, 300U);
+  EXPECT_LT(found, 600U);
 }
 
 TEST(CubicKernel, KnowsTheBorderOfTheDomain) {
@@ -113,8 +109,7 @@ TEST(CubicKernel, KnowsTheBorderOfTheDomain) {
   shape.cells = {2, 3, 2};
   const CubicField field =
       // Whole numbers at all nodes, which are thirds of a cell apart.
-      interpolate(shape, FieldPrecision::single_precision,
-                  [](const Vec3& p) { return std::round(3 * p.x() - 6 * p.y() + 9 * p.z()); });
+      interpolate(shape, [](const Vec3& p) { return std::round(3 * p.x() - 6 * p.y() + 9 * p.z()); });
   const double beyond = std::nextafter(2.0, 3.0);
   const std::vector<Vec3> positions{{0, 0, 0},      {2, 3, 2},      {2, 0.5, 1},     {1, 1, 1},
                                     {beyond, 1, 1}, {1, 1, beyond}, {-1e-300, 1, 1}, {1, -0.0, 1}};
@@ -131,61 +126,53 @@ TEST(CubicKernel, KnowsTheBorderOfTheDomain) {
 }
 
 TEST(CubicKernel, AnAnswerDoesNotDependOnWhoElseAsks) {
-  for (const FieldPrecision precision : precisions) {
-    const CubicField field = noisy_field(precision);
-    const std::vector<Vec3> positions = positions_about(field.shape(), oblique_pose(), 400);
-    const std::vector<int> nodes = all_of(positions);
-    const auto together = query_all(field, oblique_pose(), positions, nodes);
-    for (const std::size_t length : {0U, 1U, 2U, 3U, 5U, 7U, 8U, 9U, 15U, 16U, 17U, 127U, 128U, 129U, 300U}) {
-      const std::size_t first = 11 + length / 5;
-      const auto some = query_all(field, oblique_pose(), positions, std::span(nodes).subspan(first, length));
-      for (std::size_t n = 0; n < positions.size(); ++n) {
-        expect_equal(some[n], n >= first && n < first + length ? together[n] : std::nullopt);
-      }
-    }
-    std::vector<int> every_third;
-    for (int node = 0; node < static_cast<int>(positions.size()); node += 3) {
-      every_third.push_back(node);
-    }
-    const auto some = query_all(field, oblique_pose(), positions, every_third);
+  const CubicField field = noisy_field();
+  const std::vector<Vec3> positions = positions_about(field.shape(), oblique_pose(), 400);
+  const std::vector<int> nodes = all_of(positions);
+  const auto together = query_all(field, oblique_pose(), positions, nodes);
+  for (const std::size_t length : {0U, 1U, 2U, 3U, 5U, 7U, 8U, 9U, 15U, 16U, 17U, 127U, 128U, 129U, 300U}) {
+    const std::size_t first = 11 + length / 5;
+    const auto some = query_all(field, oblique_pose(), positions, std::span(nodes).subspan(first, length));
     for (std::size_t n = 0; n < positions.size(); ++n) {
-      expect_equal(some[n], n % 3 == 0 ? together[n] : std::nullopt);
+      expect_equal(some[n], n >= first && n < first + length ? together[n] : std::nullopt);
     }
+  }
+  std::vector<int> every_third;
+  for (int node = 0; node < static_cast<int>(positions.size()); node += 3) {
+    every_third.push_back(node);
+  }
+  const auto some = query_all(field, oblique_pose(), positions, every_third);
+  for (std::size_t n = 0; n < positions.size(); ++n) {
+    expect_equal(some[n], n % 3 == 0 ? together[n] : std::nullopt);
   }
 }
 
 TEST(CubicKernel, AsksOnlyWhereItIsWanted) {
-  for (const FieldPrecision precision : precisions) {
-    const CubicField field = band_field(precision);
-    const GridShape& shape = field.shape();
-    const std::vector<Vec3> positions = positions_about(shape, oblique_pose(), 3000);
-    const auto known = query_all(field, oblique_pose(), positions, all_of(positions));
-    const auto inside = query_all(field, oblique_pose(), positions, all_of(positions), Wanted::may_be_inside);
-    std::size_t unknown = 0, left_out = 0;
-    for (std::size_t n = 0; n < positions.size(); ++n) {
-      const Vec3 cells = CellMap(shape, oblique_pose()).apply(positions[n]);
-      if (!shape.contains(cells)) {
-        EXPECT_FALSE(known[n] || inside[n]);
-        continue;
-      }
-      const CellPosition in_cell = shape.locate(cells);
-      const std::size_t cell = shape.cell(in_cell.i, in_cell.j, in_cell.k);
-      EXPECT_EQ(known[n].has_value(), field.has_coefficients(cell));
-      EXPECT_EQ(inside[n].has_value(), field.may_be_negative(cell));
-      unknown += static_cast<std::size_t>(!known[n]);
-      left_out += static_cast<std::size_t>(known[n] && !inside[n]);
-      if (known[n]) {
-        Vec3 slope;
-        const double value = field.cell(in_cell.i, in_cell.j, in_cell.k).value_and_gradient(in_cell.at, slope);
-        EXPECT_NEAR(known[n]->sample.value_m, value, 1e-15);
-      }
-      if (inside[n]) {
-        expect_equal(inside[n], known[n]);
-      }
+  const CubicField field = ball_field();
+  const GridShape& shape = field.shape();
+  const std::vector<Vec3> positions = positions_about(shape, oblique_pose(), 3000);
+  const auto known = query_all(field, oblique_pose(), positions, all_of(positions));
+  const auto inside = query_all(field, oblique_pose(), positions, all_of(positions), Wanted::may_be_inside);
+  std::size_t left_out = 0;
+  for (std::size_t n = 0; n < positions.size(); ++n) {
+    const Vec3 cells = CellMap(shape, oblique_pose()).apply(positions[n]);
+    if (!shape.contains(cells)) {
+      EXPECT_FALSE(known[n] || inside[n]);
+      continue;
     }
-    EXPECT_GT(unknown, 300U);
-    EXPECT_GT(left_out, 300U);
+    const CellPosition in_cell = shape.locate(cells);
+    const std::size_t cell = shape.cell(in_cell.i, in_cell.j, in_cell.k);
+    ASSERT_TRUE(known[n]);
+    EXPECT_EQ(inside[n].has_value(), field.may_be_negative(cell));
+    left_out += static_cast<std::size_t>(!inside[n]);
+    Vec3 slope;
+    const double value = field.cell(in_cell.i, in_cell.j, in_cell.k).value_and_gradient(in_cell.at, slope);
+    EXPECT_NEAR(known[n]->sample.value_m, value, 1e-15);
+    if (inside[n]) {
+      expect_equal(inside[n], known[n]);
+    }
   }
+  EXPECT_GT(left_out, 300U);
 }
 
 /// Every kind of SIMD that this machine has gives the same bits as the one without.
@@ -197,20 +184,18 @@ TEST(CubicKernel, GivesTheSameBitsOnEveryMachine) {
     }
     return result;
   }();
-  for (const FieldPrecision precision : precisions) {
-    for (const CubicField& field : {noisy_field(precision), band_field(precision)}) {
-      const std::vector<Vec3> positions = positions_about(field.shape(), oblique_pose(), 1000);
-      std::optional<std::vector<std::optional<Answer>>> expected;
-      for (const std::int64_t target : targets) {
-        hwy::GetChosenTarget().Update(target);
-        const auto answers = query_all(field, oblique_pose(), positions, all_of(positions));
-        hwy::GetChosenTarget().DeInit();
-        if (!expected) {
-          expected = answers;
-        }
-        for (std::size_t n = 0; n < positions.size(); ++n) {
-          expect_equal(answers[n], (*expected)[n]);
-        }
+  for (const CubicField& field : {noisy_field(), ball_field()}) {
+    const std::vector<Vec3> positions = positions_about(field.shape(), oblique_pose(), 1000);
+    std::optional<std::vector<std::optional<Answer>>> expected;
+    for (const std::int64_t target : targets) {
+      hwy::GetChosenTarget().Update(target);
+      const auto answers = query_all(field, oblique_pose(), positions, all_of(positions));
+      hwy::GetChosenTarget().DeInit();
+      if (!expected) {
+        expected = answers;
+      }
+      for (std::size_t n = 0; n < positions.size(); ++n) {
+        expect_equal(answers[n], (*expected)[n]);
       }
     }
   }

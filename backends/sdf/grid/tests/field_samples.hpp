@@ -30,9 +30,8 @@ inline void for_each_node(const GridShape& shape, const std::function<void(std::
 }
 
 /// A field with the values of `function` at its nodes, and no mask.
-inline CubicField interpolate(const GridShape& shape, FieldPrecision precision,
-                              const std::function<double(const Vec3&)>& function) {
-  CubicField field(shape, precision);
+inline CubicField interpolate(const GridShape& shape, const std::function<double(const Vec3&)>& function) {
+  CubicField field(shape);
   for_each_node(shape, [&](std::size_t offset, const Vec3& position) { field.store(offset, function(position)); });
   return field;
 }
