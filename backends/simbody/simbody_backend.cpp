@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "backends/simbody/simbody_mesh.hpp"
-#include "core/base/input_error.hpp"
+#include "core/base/unsupported_input.hpp"
 #include "core/clearance/located_nodes.hpp"
 #include "core/clearance/point_backend.hpp"
 #include "core/contact/backend_entry.hpp"
@@ -31,8 +31,8 @@ std::unique_ptr<SimbodyMesh> to_simbody(const Bone& bone) {
     std::string why = refused.what();
     why.erase(why.find_last_not_of(" \n") + 1);
     for (char& c : why) c = c == '\n' ? ' ' : c;
-    throw InputError(fmt::format("simbody: bone '{}'", bone.name),
-                     fmt::format("Simbody takes closed manifold surfaces only; use another backend ({})", why));
+    throw UnsupportedInput(fmt::format("simbody: bone '{}'", bone.name),
+                           fmt::format("Simbody takes closed manifold surfaces only; use another backend ({})", why));
   }
 }
 

@@ -12,6 +12,7 @@
 #include "bench/commands/suggestion.hpp"
 #include "bench/results/build_info.hpp"
 #include "core/base/input_error.hpp"
+#include "core/base/unsupported_input.hpp"
 
 namespace musclebench {
 
@@ -53,6 +54,9 @@ int run_command_line(int argc, const char* const* argv) {
     fmt::print(stderr, "musclebench: {}; --help shows the options\n",
                InputError("command line", nearest.value_or(error.what())).what());
     return exit_bad_input;
+  } catch (const UnsupportedInput& error) {
+    fmt::print(stderr, "musclebench: {}\n", error.what());
+    return exit_unsupported;
   } catch (const InputError& error) {
     fmt::print(stderr, "musclebench: {}\n", error.what());
     return exit_bad_input;

@@ -10,6 +10,7 @@ enum ExitCode : int {
   exit_diverged = 3,
   exit_nondeterministic = 4,
   exit_out_of_time = 5,
+  exit_unsupported = 6,
   exit_interrupted = 130
 };
 

@@ -186,13 +186,14 @@ def test_what_fails_is_a_row_with_its_reason_and_its_last_words(trial, tmp_path)
     ends = {("iliacus", 0): ("echo first >&2; echo 'key x: no such thing' >&2; exit 2", "failed", "exit code 2: key x: no such thing"),
             ("iliacus", 1): ("echo in flight >&2; kill -SEGV $$", "failed", "signal SIGSEGV: in flight"),
             ("gluteus_medius", 0): ("echo std::bad_alloc >&2; kill -ABRT $$", "out_of_memory", "signal SIGABRT: std::bad_alloc"),
-            ("gluteus_medius", 1): ("echo slow >&2; sleep 60", "timeout", "stopped after 1 s")}
+            ("gluteus_medius", 1): ("echo slow >&2; sleep 60", "timeout", "stopped after 1 s"),
+            ("iliacus", 2): ("echo 'takes closed surfaces only' >&2; exit 6", "unsupported", "takes closed surfaces only")}
     program, out = tmp_path / "program.sh", tmp_path / "out"
     lines = [f'*"run synthetic/{muscle} "*"--backend {ROLES.field} "*"--repetition {repetition}"*) {words} ;;'
              for (muscle, repetition), (words, _, _) in ends.items()]
     program.write_text("\n".join(["#!/bin/sh", 'case "$*" in', *lines, "esac", f'exec {QUICK} "$@"\n']))
     program.chmod(0o755)
-    done = call(trial, out, "--repetitions", "2", "--timeout", "1", program=program)
+    done = call(trial, out, "--repetitions", "3", "--timeout", "1", program=program)
     rows = pd.read_csv(out / "times.csv").set_index("name")
     assert done.returncode == 1 and (rows["status"] == "ok").sum() == len(rows) - len(ends)
     for (muscle, repetition), (words, status, detail) in ends.items():

@@ -19,7 +19,7 @@ from .case import Case
 from .experiment import Experiment, Refusal
 
 KEPT_LINES = 20
-BAD_INPUT = 2  # exit code of musclebench
+BAD_INPUT, UNSUPPORTED = 2, 6  # exit codes of musclebench
 NO_MEMORY_WORDS = ("memory", "bad_alloc")
 
 
@@ -115,6 +115,8 @@ class Worker:
         code, last = self._process.returncode, lines[-1] if lines else ""
         if says_disk_full(last):
             raise DiskFull(self._experiment.folders.out_dir)
+        if code == UNSUPPORTED:
+            return Refusal("unsupported", last, lines)
         ending = f"signal {signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
         if code == -signal.SIGKILL and oom_kills() > self._oom_kills:
             return Refusal("out_of_memory", f"{ending}: the system had no memory left", lines)
