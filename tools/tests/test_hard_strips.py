@@ -1,13 +1,19 @@
-"""Strips of the hard cases' scenes show what lies in a bone."""
+"""Pictures of the hard cases: strips show what lies in a bone, and the matrix can be read."""
+
+import json
 
 import numpy as np
+import pandas as pd
 from matplotlib.colors import to_rgb
 from PIL import Image
 
+import fake_registry
 import fake_runs
+from musclebench.figures import looks
 from musclebench.figures.cuts import cut
 from musclebench.figures.effect_scenes import MUSCLE_COLOURS
-from musclebench.figures.hard_cases import draw_strips
+from musclebench.figures.hard_cases import draw_matrix, draw_strips
+from musclebench.program.registry import parse_registry
 from musclebench.results.run_folder import read_run
 from printed import check_print, keep_figures
 
@@ -51,3 +57,19 @@ def test_a_muscle_in_a_bone_is_seen(tmp_path, monkeypatch):
     for axes in figure.axes:
         left, right = (int(x * red.shape[1]) for x in (axes.get_position().x0, axes.get_position().x1))
         assert red[:, left:right].any(), axes.get_title(loc="left")
+
+
+def test_the_matrix_of_every_backend_can_be_read(tmp_path, monkeypatch):
+    """Libraries among them, with the titles of their studies."""
+    listed = fake_registry.listed()
+    some = listed["backends"][-1]
+    names = [one["name"] for one in listed["backends"]]
+    others = [path.parent.name for path in sorted(fake_registry.BACKENDS.glob("*/study.toml")) if path.parent.name not in names]
+    listed["backends"] += [some | {"name": name, "study": {"title": fake_registry.study_of(name).get("title", name)}} for name in others]
+    monkeypatch.setattr(looks, "_known", parse_registry(json.dumps(listed), "all of them"))
+    rows = pd.DataFrame([{"case": case, "backend": name, "verdict": "refused"} for case in ("soundness", "step-size-unguarded")
+                         for name in ("loop", *names, *others)])
+    kept: dict = {}
+    keep_figures(monkeypatch, kept)
+    draw_matrix(rows, tmp_path / "matrix")
+    check_print(*kept["matrix"])
