@@ -11,8 +11,8 @@ from copied_tools import PROJECT
 from musclebench.page.bundle import script_file
 
 TOOLS = ("accuracy", "compare", "convergence", "effects", "experiment", "fuzz", "hard", "moment-arms", "mutants", "nightly", "paper",
-         "publish", "report", "safe-step", "speed")
-NEEDED_WORDS = {"compare": ("HEAD", "HEAD"), "experiment": ("paper",), "report": (".",), "safe-step": ("hard/step_size",)}
+         "publish", "release", "report", "safe-step", "speed")
+NEEDED_WORDS = {"compare": ("HEAD", "HEAD"), "experiment": ("paper",), "release": ("1.0.0",), "report": (".",), "safe-step": ("hard/step_size",)}
 PACKAGES = {"numpy", "pandas", "scipy", "matplotlib", "vtk", "vtkmodules", "jinja2", "PIL"}
 # Hides packages from every Python that has its folder on the path.
 HIDES = """import os, sys

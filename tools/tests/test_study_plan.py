@@ -53,7 +53,7 @@ def test_the_full_study_has_what_the_study_asks_for():
     firsts = [case for case in measured() if case.repetition == 0]
     count = Counter((case.group.name, case.configuration.backend) for case in firsts)
     assert count["replay", "voxel"] == count["coupled", "voxel"] == 10 and count["probe", "voxel"] == 9
-    assert count["replay", "sdf"] == count["coupled", "sdf"] == 19 and count["probe", "sdf"] == 18
+    assert count["replay", "sdf"] == count["coupled", "sdf"] == 14 and count["probe", "sdf"] == 13
     assert count["replay", "fcl"] > 20 and count["coupled", "fcl"] == 5  # one for each distinct answer
     assert count["replay", "bvh"] == count["coupled", "bvh"] == 2 and count["replay", "brute_force"] == 1
     assert count["coupled", "null"] == 1 and count["replay", "null"] == 0
