@@ -14,23 +14,28 @@ from musclebench.publish.measured import source_of
 from program import PROGRAM, call, find_lhdl, needs_program
 
 pytestmark = needs_program
-# Those of every build. What libraries break is published (reports/libraries.md): their code is not ours to mend.
-BACKENDS = ("null", "voxel", "sdf", "bvh", "brute_force", "fcl")
-THESE = [word for name in BACKENDS for word in ("--backend", name)]
+# Those of every build. What libraries break is published (reports/libraries.md): their code is not ours to mend. Brute force and
+# FCL take as long as the others together.
+FAST, SLOW = ("null", "voxel", "sdf", "bvh"), ("brute_force", "fcl")
 
 
-def all_cells(folder, *options, seconds):
+def options_of(backends):
+    return [word for name in backends for word in ("--backend", name)]
+
+
+def all_cells(folder, backends, *options, seconds):
     """(process, folder) of these backends."""
     data = ["--data", folder_of_data] if (folder_of_data := find_lhdl()) else []
-    done = subprocess.run([PROGRAM, "hard", *THESE, *data, "--out", folder, *options], capture_output=True, text=True, timeout=seconds,
+    done = subprocess.run([PROGRAM, "hard", *options_of(backends), *data, "--out", folder, *options], capture_output=True, text=True, timeout=seconds,
                           check=False)
     return done, folder
 
 
-@pytest.fixture(scope="module")
-def matrix(tmp_path_factory):
-    """The short run."""
-    return all_cells(tmp_path_factory.mktemp("hard") / "out", seconds=1800)  # tests beside it share the cores
+@pytest.fixture(scope="module", params=[FAST, pytest.param(SLOW, marks=pytest.mark.weekly)], ids=["fast", "slow"])
+def matrix(request, tmp_path_factory):
+    """The short run, and its backends."""
+    done = all_cells(tmp_path_factory.mktemp("hard") / "out", request.param, seconds=1800)  # tests beside it share the cores
+    return *done, request.param
 
 
 def check_known(done, folder):
@@ -43,13 +48,13 @@ def check_known(done, folder):
 
 
 def test_what_can_hold_does(matrix):
-    check_known(*matrix)
+    check_known(*matrix[:2])
 
 
 def test_no_figure_that_is_red_gets_worse_unseen(matrix):
     """Nor one of a cell that a status excuses. What is mended is taken out of the list: `python3 tools/tests/hard_reds.py
     FOLDER`."""
-    _, folder = matrix
+    _, folder, _ = matrix
     assert hard_reds.changes(hard_reds.rows_of(folder / "matrix.csv"), hard_reds.known_reds()) == []
 
 
@@ -69,13 +74,13 @@ def test_a_red_that_moves_is_a_line():
 
 @pytest.mark.weekly
 def test_what_can_hold_does_in_the_long_run(tmp_path):
-    check_known(*all_cells(tmp_path / "out", "--all", seconds=8 * 3600))
+    check_known(*all_cells(tmp_path / "out", FAST + SLOW, "--all", seconds=8 * 3600))
 
 
 def test_every_backend_has_a_cell_of_every_case(matrix):
-    done, folder = matrix
+    done, folder, asked = matrix
     rows = pd.read_csv(folder / "matrix.csv", keep_default_na=False)
-    backends = ["loop" if name == "null" else name for name in BACKENDS]
+    backends = ["loop" if name == "null" else name for name in asked]
     cells = rows.groupby("case").backend.unique()
     assert all(list(names) == backends for names in cells)
     assert (rows[rows.verdict == "not applicable"].detail.str.len() > 5).all()
@@ -184,7 +189,7 @@ WRONG_SCENES = {  # what is known to be red, and why: a seed that holds is taken
 def test_random_scenes_break_nothing_that_is_not_known(tmp_path):
     """Seeds of which one takes minutes to be made small are left out."""
     for first, count in ((1000, 27), (1028, 22)):
-        done = call("hard", "--fuzz", str(count), "--seed", str(first), *THESE, "--out", tmp_path)
+        done = call("hard", "--fuzz", str(count), "--seed", str(first), *options_of(FAST + SLOW), "--out", tmp_path)
         wrong = {int(line.split()[1].rstrip(":")) for line in done.stdout.splitlines() if line.startswith("seed ")}
         assert wrong == {seed for seed in WRONG_SCENES if first <= seed < first + count}, done.stdout
         assert done.returncode == (1 if wrong else 0) and f"{count} random scenes from seed {first}" in done.stdout
