@@ -40,44 +40,50 @@ def place_labels(axes, labels: list[Label], size: float = 7.0, levels: Sequence[
     taken = [np.array(text.get_window_extent(renderer).extents) for text in axes.texts]
     heights = [axes.transData.transform((label.x, y))[1] for label in labels[:1] for y in levels]
     points = np.concatenate([points, np.reshape([[frame[0], y, frame[2], y] for y in heights], (-1, 4))])
-    leaders: list[np.ndarray] = []
+    leaders = np.empty((0, 2, 2))
     for index, label in enumerate(labels):
         if not label.text:
             continue
         extent = _extent(axes, label.text, size, renderer, pixels)
-        boxes = _free_boxes(centres[index], radii[index], label.prefer, extent, frame,
-                            np.concatenate([points, np.reshape(taken, (-1, 4))]), pixels)
-        for box in boxes:
-            middle = (box[:2] + box[2:]) / 2
-            gap = np.abs(middle - centres[index]) - extent / 2 - radii[index]
-            leader = np.array([centres[index], middle]) if gap.max() > LEADER_FROM_POINTS * pixels else None
-            if _is_clear(box, leader, taken, leaders):
-                taken.append(box)
-                leaders += [] if leader is None else [leader]
-                _draw(axes, label, centres[index], box, size, leader is not None)
-                break
+        covered = np.reshape(taken, (-1, 4))
+        boxes = _free_boxes(centres[index], radii[index], label.prefer, extent, frame, np.concatenate([points, covered]), pixels)
+        middles = (boxes[:, :2] + boxes[:, 2:]) / 2
+        lines = np.stack([np.broadcast_to(centres[index], middles.shape), middles], axis=1)
+        gaps = np.abs(middles - centres[index]) - extent / 2 - radii[index]
+        has_leader = gaps.max(axis=1, initial=0.0) > LEADER_FROM_POINTS * pixels
+        clear = np.flatnonzero(_are_clear(boxes, lines, has_leader, covered, leaders))
+        if clear.size:
+            best = clear[0]
+            taken.append(boxes[best])
+            if has_leader[best]:
+                leaders = np.concatenate([leaders, lines[best:best + 1]])
+            _draw(axes, label, centres[index], boxes[best], size, has_leader[best])
 
 
-def _is_clear(box: np.ndarray, leader: np.ndarray | None, taken: list, leaders: list) -> bool:
-    """No line crosses another one or a label."""
-    if any(_touches(other, box) for other in leaders):
-        return False
-    return leader is None or not (any(_cross(leader, other) for other in leaders)
-                                  or any(_touches(leader, other) for other in taken))
+def _are_clear(boxes, lines, has_leader, taken, leaders) -> np.ndarray:
+    """Of boxes (n, 4) with their lines (n, 2, 2): those of which no line crosses another one or a label."""
+    covers = _touches(leaders, boxes[:, None]).any(axis=1)
+    crosses = _cross(lines[:, None], leaders).any(axis=1) | _touches(lines[:, None], taken).any(axis=1)
+    return ~covers & ~(has_leader & crosses)
 
 
-def _touches(line: np.ndarray, box: np.ndarray) -> bool:
-    corners = np.array([[box[0], box[1]], [box[2], box[1]], [box[2], box[3]], [box[0], box[3]]])
-    inside = np.all((line >= box[:2]) & (line <= box[2:]), axis=1).any()
-    return inside or any(_cross(line, np.array([corners[i - 1], corners[i]])) for i in range(4))
+def _touches(lines: np.ndarray, boxes: np.ndarray) -> np.ndarray:
+    """Lines (..., 2, 2) and boxes (..., 4), broadcast."""
+    inside = np.all((lines >= boxes[..., None, :2]) & (lines <= boxes[..., None, 2:]), axis=-1).any(axis=-1)
+    corners = boxes[..., [[0, 1], [2, 1], [2, 3], [0, 3]]]
+    edges = np.stack([np.roll(corners, 1, axis=-2), corners], axis=-2)
+    return inside | _cross(lines[..., None, :, :], edges).any(axis=-1)
 
 
-def _cross(a: np.ndarray, b: np.ndarray) -> bool:
-    def side(line, point) -> float:
-        (x, y), (u, v) = line[1] - line[0], point - line[0]
-        return x * v - y * u
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Lines (..., 2, 2), broadcast."""
+    def are_apart(line, points) -> np.ndarray:
+        """Whether two points are on both sides of a line."""
+        along, to = line[..., None, 1, :] - line[..., None, 0, :], points - line[..., None, 0, :]
+        side = along[..., 0] * to[..., 1] - along[..., 1] * to[..., 0]
+        return side[..., 0] * side[..., 1] < 0
 
-    return side(a, b[0]) * side(a, b[1]) < 0 and side(b, a[0]) * side(b, a[1]) < 0
+    return are_apart(a, b) & are_apart(b, a)
 
 
 def _extent(axes, text: str, size: float, renderer, pixels: float) -> np.ndarray:
