@@ -6,7 +6,7 @@ import pytest
 
 from fake_study import SCENES, SIZES, replays_of
 from musclebench.accuracy import front
-from musclebench.figures import labels, pareto
+from musclebench.figures import labels, looks, overview, pareto
 from musclebench.figures.style import plt
 
 
@@ -67,3 +67,35 @@ def test_lines_to_labels_cross_neither_each_other_nor_labels():
     assert not any(labels._touches(line, box) for line in lines for box in boxes
                    if not np.allclose(line[1], (box[:2] + box[2:]) / 2, atol=6))
     plt.close(figure)
+
+
+def test_the_overview_has_defaults_what_is_advised_and_one_curve_a_backend(study):
+    points = front.points_of(replays_of(study), lambda one: one.p99_offset_mm, set())
+    shown = overview.overview(points)
+    assert set(shown["panel"]) == {front.ALL_MUSCLES}
+    assert {"voxel 64", "sdf 64", "bvh", "fcl default", "fcl as advised"} & set(points["configuration"]) <= set(shown["configuration"])
+    curves = shown[shown["series"].notna()].groupby("backend")["series"].nunique()
+    assert (curves == 1).all() and len(curves) >= 2
+    assert not shown["is_control"].any() and shown["on_front"].any()
+
+
+def test_a_backend_that_stands_once_in_the_overview_has_its_plain_name(study):
+    shown = overview.overview(front.points_of(replays_of(study), lambda one: one.p99_offset_mm, set()))
+    named = shown.loc[overview.named(shown)]
+    assert named["spoken"].is_unique and len(named) >= 3
+    assert "exact tree" in set(named["spoken"]) and not any("default" in words for words in named["spoken"])
+    externals = [looks.backend(name).is_external for name in named["backend"]]
+    assert externals == sorted(externals), "other people's libraries come after this project's and the paper's"
+
+
+def test_what_can_not_be_asked_about_points_is_hollow(study, tmp_path):
+    replays = replays_of(study)
+    points = front.points_of(replays, lambda one: one.p99_offset_mm, set(), lambda one: one.configuration.backend == "fcl")
+    assert set(points.loc[points["is_substitute"], "backend"]) == {"fcl"}
+    drawn = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(pareto.style, "save_figure", lambda figure, stem: drawn.append(figure) or [])
+        overview.draw_overview(points, tmp_path / "overview", "title")
+    (legend,) = [axes.get_legend() for axes in drawn[0].axes if axes.get_legend()]
+    assert any("can't be asked" in text.get_text() for text in legend.get_texts())
+    plt.close(drawn[0])

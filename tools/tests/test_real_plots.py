@@ -24,7 +24,7 @@ MUSCLE = ("--muscle", "adductor_brevis")
 FIGURES = {
     "paper": {"fig_6_adductor_brevis", "fig_7_collision_time", "fig_8_memory", "depth_by_frame",
               "muscles_at_full_flexion", "attachments"},
-    "accuracy": {"pareto_replay", "pareto_coupled", "pareto_coupled_shape", "offset_and_depth", "convergence", "convergence_cost",
+    "accuracy": {"overview", "pareto_replay", "pareto_coupled", "pareto_coupled_shape", "offset_and_depth", "convergence", "convergence_cost",
                  "stages"},
 }
 AS_WRITTEN = {"backend": str, "configuration": str}  # `null` is a name

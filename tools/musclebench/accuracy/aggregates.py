@@ -116,9 +116,13 @@ class Aggregate:
         """So far nodes are held off, 99th percentile; unknown of a method that can't be asked about single points."""
         return 1e3 * self.number("surface_offset", "p99_outward_m")
 
+    @property
+    def is_asked(self) -> bool:
+        """Whether it was asked about single points, as the surface offset wants."""
+        return any(case.run.record.get("surface_offset") for case in self.ok)
+
     def _offset_mm(self, asked: str, left: str) -> float:
-        is_asked = any(case.run.record.get("surface_offset") for case in self.ok)
-        if is_asked or self.coupled is None:
+        if self.is_asked or self.coupled is None:
             return 1e3 * self.number("surface_offset", asked)
         return 1e3 * self.coupled.number("outcome", left)
 

@@ -20,6 +20,11 @@ class Configuration:
         return not self.choices and self.threads == 1
 
     @property
+    def is_advised(self) -> bool:
+        """As its makers or its users advise: the defaults, where the study names no others."""
+        return self == configuration(self.about, self.about.study.get("advised", {}))
+
+    @property
     def is_unit_of_price(self) -> bool:
         """What times are divided by."""
         parameters = self.about.study.get("advise", {}).get("unit_of_price")
@@ -96,6 +101,8 @@ class Configuration:
         """As people write it: `distance field, 32 cells, no cache`."""
         if self.size is not None:
             return ", ".join([self.about.title, self._spoken_size(), *self._words_beside_size()])
+        if self.is_default and "default_words" in self.about.study:
+            return f"{self.about.title}, {self.about.study['default_words']}"
         is_told = not self.is_default or self.about.has_many_choices
         return f"{self.about.title}, {self.short}" if is_told else self.about.title
 

@@ -10,7 +10,8 @@ from ..figures import captions, looks
 from ..figures.convergence import draw_costs, draw_errors
 from ..figures.offset_and_depth import draw_offsets, offset_rows, told
 from ..figures.library_costs import draw_library_costs
-from ..figures.pareto import draw_pareto
+from ..figures.overview import draw_overview
+from ..figures.pareto import Emphasis, draw_pareto
 from ..figures.stages import draw_stages, stage_rows
 from ..program.optional_packages import left_out_without
 from ..program.registry import saved_registry, whose
@@ -33,6 +34,12 @@ from .front import points_of
 from .orders import cost_rows, probe_rows
 from .rows import accuracy_rows, build_seconds_of, study_rows
 
+OVERVIEW_WORDS = (
+    "Shown are the default of each backend, what its makers or users advise, and one curve over its resolution; on several "
+    "muscles the sum of their times and the largest of their errors. The grey line is the Pareto front of these points. "
+    "Errors below a micrometre count as equal. A hollow marker can't be asked about single points. A marker's area grows "
+    "with the bytes of the collision structures."
+)
 FRONT_WORDS = (
     "The grey line is the Pareto front: nothing is both faster and more accurate than what lies on it. Crossed-out "
     "configurations are wrong and not on it; errors below a nanometre count "
@@ -114,12 +121,15 @@ def _notes(table: Table) -> str:
 
 
 def _draw_replay(replays: list[Aggregate], wrong: set, folder: Path) -> list[Path]:
-    points = points_of(replays, lambda aggregate: aggregate.p99_offset_mm, wrong)
+    points = points_of(replays, lambda aggregate: aggregate.p99_offset_mm, wrong, lambda aggregate: not aggregate.is_asked)
     title = "What accuracy costs in time: the same positions for every backend (replay)"
-    files = draw_pareto(points, folder / "pareto_replay", title, "surface offset, 99th percentile (mm)", "exact")
+    files = draw_pareto(points, folder / "pareto_replay", title, "surface offset, 99th percentile (mm)", Emphasis("exact"))
     error = captions.REPLAY_ERROR.format(band=captions.band_of(_cases(replays)))
     texts = [error, captions.TIME, FRONT_WORDS, rule(), _left_out(replays, points)]
-    return _with_caption(files, title, texts, _cases(replays))
+    all_points = _with_caption(files, title, texts, _cases(replays))
+    title = "What accuracy costs: each backend as advised, at the same positions"
+    files = draw_overview(points, folder / "overview", title)
+    return all_points + _with_caption(files, title, [error, captions.TIME, OVERVIEW_WORDS, rule()], _cases(replays))
 
 
 def _draw_offsets(replays: list[Aggregate], folder: Path) -> list[Path]:
@@ -139,7 +149,7 @@ def _draw_coupled(coupled: list[Aggregate], wrong: set, shapes: dict, faults: di
     wrong, why = wrong | set(faults), coupled_faults.told(faults)
     depths = points_of(coupled, lambda aggregate: aggregate.remaining_depth_mm, wrong)
     title = "What accuracy costs in time: every backend moves its own muscle (coupled)"
-    files = draw_pareto(depths, folder / "pareto_coupled", title, "remaining depth, 99th percentile (mm)", "none left")
+    files = draw_pareto(depths, folder / "pareto_coupled", title, "remaining depth, 99th percentile (mm)", Emphasis("none left"))
     error = (
         "The error is the true depth that remains at the end of a frame, by the Referee: the deepest point of a "
         "muscle triangle inside a bone or of a bone's vertex inside the muscle (of the nodes where the surface was "
@@ -151,7 +161,7 @@ def _draw_coupled(coupled: list[Aggregate], wrong: set, shapes: dict, faults: di
     distances = points_of(coupled, distance, wrong)
     title = "How far the muscle's shape at full flexion is from the exact run's (coupled)"
     stem, axis_title = folder / "pareto_coupled_shape", "distance to exact shape, RMS (mm)"
-    drawn = draw_pareto(distances, stem, title, axis_title, "same shape")
+    drawn = draw_pareto(distances, stem, title, axis_title, Emphasis("same shape"))
     error = "The error is the root mean square over all nodes of their distance to the same nodes of the exact run."
     texts = [error, captions.TIME, FRONT_WORDS, coupled_faults.RULE, why, _left_out(coupled, distances)]
     return files + _with_caption(drawn, title, texts, _cases(coupled))
@@ -163,7 +173,7 @@ def _draw_arms(armed: list[Aggregate], wrong: set, arms: dict, folder: Path) -> 
 
     points = points_of(armed, error, wrong)
     title = "What a backend's accuracy is worth in moment arms (coupled)"
-    files = draw_pareto(points, folder / "pareto_moment_arm", title, "moment arm off by, RMS (mm)", "same arm")
+    files = draw_pareto(points, folder / "pareto_moment_arm", title, "moment arm off by, RMS (mm)", Emphasis("same arm"))
     floors = {one.muscle: arms[(one.scene, one.configuration)]["arm_floor_mm"] for one in armed
               if (one.scene, one.configuration) in arms}
     told = ", ".join(f"{muscle.replace('_', ' ')} {floor:.2g} mm" for muscle, floor in floors.items() if floor == floor)
@@ -180,7 +190,7 @@ def _draw_forces(told: list[Aggregate], wrong: set, forces: dict, folder: Path) 
 
         points = points_of(told, error, wrong)
         title = f"What a backend's accuracy is worth in {words} (coupled)"
-        drawn = draw_pareto(points, folder / f"pareto_{what}", title, f"{words} off by, RMS (%)", "same")
+        drawn = draw_pareto(points, folder / f"pareto_{what}", title, f"{words} off by, RMS (%)", Emphasis("same"))
         floors = {one.muscle: forces[(one.scene, one.configuration)][f"{what}_floor_percent"] for one in told
                   if (one.scene, one.configuration) in forces}
         numbers = ", ".join(f"{muscle.replace('_', ' ')} {floor:.2g} %" for muscle, floor in floors.items() if floor == floor)

@@ -2,6 +2,7 @@
 
 import math
 import textwrap
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,6 +36,7 @@ class Axis:
     low_mm: float  # end of the log axis, a power of ten
     bottom_mm: float  # end of the band of what is exact, below it; `low_mm` where nothing is
     high_mm: float
+    exact_below_mm: float = EXACT_MM
 
     @property
     def has_band(self) -> bool:
@@ -46,11 +48,36 @@ class Axis:
         return math.sqrt(self.low_mm * self.bottom_mm)
 
     def height(self, error_mm: float) -> float:
-        return error_mm if error_mm >= EXACT_MM else self.exact_mm
+        return error_mm if error_mm >= self.exact_below_mm else self.exact_mm
 
 
-def draw_pareto(points: pd.DataFrame, stem: Path, title: str, error_title: str, nothing: str) -> list[Path]:
-    """PNG, SVG, PDF and CSV; nothing without points. `nothing`: what an error below a nanometre is called."""
+def chosen_labels(points: pd.DataFrame) -> list:
+    """Index of the points that have a name beside them: of each backend in turn its default, its best, its ends."""
+    picks = [_picks(points[points["backend"] == backend]) for backend in looks.backends_in_order(points["backend"])]
+    return [mine[turn] for turn in range(max(map(len, picks), default=0)) for mine in picks if turn < len(mine)]
+
+
+def _picks(points: pd.DataFrame) -> list:
+    right = points[~points["is_wrong"]]
+    front = points[points["on_front"]].sort_values("error_mm")
+    curve = points[points["series"].isin(looks.series_of(points["backend"].iloc[0])[:1])].sort_values("fineness")
+    fastest = right[right["series"].isna()].sort_values("time_ms")
+    found = [*points.index[points["is_default"]], *front.index[:1], *fastest.index[:1], *curve.index[-1:], *curve.index[:1]]
+    return list(dict.fromkeys(found)) or list(points.index[:1])
+
+
+@dataclass
+class Emphasis:
+    """What a picture calls exact, and which points it names."""
+
+    nothing: str  # what an error below `exact_mm` is called
+    exact_mm: float = EXACT_MM
+    names_curves: bool = True  # in the key, where a backend has several; else backends alone
+    named: Callable[[pd.DataFrame], list] = chosen_labels  # index of points, those that matter most first
+
+
+def draw_pareto(points: pd.DataFrame, stem: Path, title: str, error_title: str, emphasis: Emphasis) -> list[Path]:
+    """PNG, SVG, PDF and CSV; nothing without points."""
     if points.empty or points["is_control"].all():
         return []
     style.apply_style()
@@ -61,19 +88,19 @@ def draw_pareto(points: pd.DataFrame, stem: Path, title: str, error_title: str, 
     figure, cells = plt.subplots(rows, columns, figsize=(style.PAGE_INCHES, PANEL_HEIGHT_INCHES * rows), squeeze=False,
                                  width_ratios=shares)
     cells = list(cells.flat)
-    axis = error_axis(points["error_mm"])
+    axis = error_axis(points["error_mm"], emphasis.exact_mm)
     for cell, panel in zip(cells, panels):
         cell.set(xlabel="collision time a frame (ms)", ylabel=error_title)
         cell.set_title(panel_title(panel, panels), loc="left")
-        _scale(cell, points[points["panel"] == panel], axis, nothing)
+        _scale(cell, points[points["panel"] == panel], axis, emphasis.nothing)
     for cell in cells[len(panels):]:
         cell.axis("off")
     figure.suptitle(title, x=0.01, ha="left")
     # Labels are laid out in pixels: the panels must have their final size before.
     figure.tight_layout(rect=(0, 0, 1, 0.99), w_pad=1.0, h_pad=1.0)
     for cell, panel in zip(cells, panels):
-        _draw_panel(cell, points[points["panel"] == panel], axis)
-    _draw_key(cells[len(panels)], points)
+        _draw_panel(cell, points[points["panel"] == panel], axis, emphasis)
+    _draw_key(cells[len(panels)], points, emphasis)
     table = stem.with_suffix(".csv")
     points.to_csv(table, index=False)
     return [*style.save_figure(figure, stem), table]
@@ -87,15 +114,15 @@ def panel_title(panel: str, panels: list[str]) -> str:
     return f"{muscle} ({data_set})" if len(data_sets) > 1 else muscle
 
 
-def error_axis(errors_mm: pd.Series) -> Axis:
+def error_axis(errors_mm: pd.Series, exact_mm: float = EXACT_MM) -> Axis:
     """Of the errors that are not exact, whole powers of ten; without any such errors from 0.001 to 1 mm."""
-    measured = errors_mm[errors_mm >= EXACT_MM]
+    measured = errors_mm[errors_mm >= exact_mm]
     low, high = (measured.min(), measured.max()) if len(measured) else (1e-3, 1.0)
     low = 10.0 ** math.floor(math.log10(low) - 1e-9)
     high = max(high * 2.5, low * 10)
-    band = BAND_SHARE if (errors_mm < EXACT_MM).any() else 0.0
+    band = BAND_SHARE if (errors_mm < exact_mm).any() else 0.0
     decades = math.log10(high / low) * band / (1 - band)
-    return Axis(low, low / 10**decades, high)
+    return Axis(low, low / 10**decades, high, exact_mm)
 
 
 def _scale(axes, points: pd.DataFrame, axis: Axis, nothing: str) -> None:
@@ -112,7 +139,7 @@ def _scale(axes, points: pd.DataFrame, axis: Axis, nothing: str) -> None:
     axes.xaxis.set_minor_formatter(NullFormatter())
 
 
-def _draw_panel(axes, points: pd.DataFrame, axis: Axis) -> None:
+def _draw_panel(axes, points: pd.DataFrame, axis: Axis, emphasis: Emphasis) -> None:
     points = points.sort_values("time_ms").reset_index(drop=True)
     heights = points["error_mm"].map(axis.height)
     marks = _mark_exact(axes, axis) if axis.has_band else []
@@ -131,27 +158,10 @@ def _draw_panel(axes, points: pd.DataFrame, axis: Axis) -> None:
         else:
             _draw_point(axes, point, heights[index])
     shown = points[~points["is_control"]]
-    named = chosen_labels(shown)
+    named = emphasis.named(shown)[:MOST_LABELS]
     labels = marks + [_label(shown.loc[index], heights[index], index in named) for index in
               [*named, *(index for index in shown.index if index not in named)]]
     place_labels(axes, labels, style.SMALLEST_POINTS, levels)
-
-
-def chosen_labels(points: pd.DataFrame) -> list:
-    """Index of the points that have a name beside them: of each backend in turn its default, its best, its ends."""
-    picks = [_picks(points[points["backend"] == backend]) for backend in looks.backends_in_order(points["backend"])]
-    in_turn = [mine[turn] for turn in range(max(map(len, picks), default=0)) for mine in picks if turn < len(mine)]
-    return in_turn[:MOST_LABELS]
-
-
-def _picks(points: pd.DataFrame) -> list:
-    right = points[~points["is_wrong"]]
-    defaults = points[points["is_default"]]
-    front = points[points["on_front"]].sort_values("error_mm")
-    first = points[points["series"].isin(looks.series_of(points["backend"].iloc[0])[:1])].sort_values("fineness")
-    fastest = right[right["series"].isna()].sort_values("time_ms")
-    found = [*defaults.index, *front.index[:1], *fastest.index[:1], *first.index[-1:], *first.index[:1]]
-    return list(dict.fromkeys(found)) or list(points.index[:1])
 
 
 def _label(point, height: float, is_named: bool) -> Label:
@@ -178,7 +188,7 @@ def _draw_front(axes, points: pd.DataFrame, axis: Axis) -> None:
     front = points[points["on_front"]].sort_values("time_ms")
     if front.empty:
         return
-    heights = [max(error, axis.low_mm) if error >= EXACT_MM else axis.exact_mm for error in front["error_mm"]]
+    heights = [max(axis.height(error), axis.low_mm) if error >= axis.exact_below_mm else axis.exact_mm for error in front["error_mm"]]
     x = [*front["time_ms"], axes.get_xlim()[1]]
     axes.step(x, [*heights, heights[-1]], where="post", color=FRONT_COLOUR, linewidth=2.6, alpha=0.25, zorder=1.2,
               solid_joinstyle="miter")
@@ -189,9 +199,9 @@ def _draw_point(axes, point, height: float) -> None:
     axes.plot([point["time_ms_low"], point["time_ms_high"]], [height, height], color=colour, linewidth=1.0, alpha=0.8,
               zorder=3, solid_capstyle="butt")
     shape = _marker(point)
-    wrong = point["is_wrong"]
-    edge = "black" if point["on_front"] else colour if wrong else "white"
-    axes.scatter([point["time_ms"]], [height], s=area, marker=shape, facecolor="none" if wrong else colour,
+    wrong, hollow = point["is_wrong"], point["is_substitute"]
+    edge = "black" if point["on_front"] else colour if wrong or hollow else "white"
+    axes.scatter([point["time_ms"]], [height], s=area, marker=shape, facecolor="none" if wrong else "white" if hollow else colour,
                  edgecolor=edge, linewidth=0.9 if point["on_front"] else 0.4, zorder=5 if point["on_front"] else 4)
     if wrong:
         axes.scatter([point["time_ms"]], [height], s=WRONG_GROWS**2 * area, marker="x", color=colour, linewidth=0.7, zorder=5)
@@ -230,20 +240,24 @@ def marker_area(structure_bytes: float) -> float:
     return 5.0 + 6.0 * decades
 
 
-def _draw_key(axes, points: pd.DataFrame) -> None:
+def _draw_key(axes, points: pd.DataFrame, emphasis: Emphasis) -> None:
     """What signs mean, in a cell of the grid of panels."""
     handles = []
     curves = points[points["series"].notna()]
     backend_of = dict(zip(curves["series"], curves["backend"]))
     for series in style.in_order(backend_of, looks.all_series()):
-        shape, dashes = looks.series_style(backend_of[series], series)
-        handles.append(Line2D([], [], marker=shape, linestyle=dashes, markersize=5, label=looks.series_title(backend_of[series], series),
-                              color=looks.colour(backend_of[series])))
+        backend = backend_of[series]
+        shape, dashes = looks.series_style(backend, series)
+        label = looks.series_title(backend, series) if emphasis.names_curves else looks.title_and_name(backend)
+        handles.append(Line2D([], [], marker=shape, linestyle=dashes, markersize=5, label=label, color=looks.colour(backend)))
     for backend in looks.backends_in_order(points.loc[points["series"].isna() & ~points["is_control"], "backend"]):
         handles.append(_dot(looks.marker(backend), looks.colour(backend), looks.title_and_name(backend)))
     if points["is_wrong"].any():
         handles.append(Line2D([], [], marker="x", linestyle="", markersize=6, color="#333333",
                               label="wrong (caption: why)"))
+    if points["is_substitute"].any():
+        handles.append(Line2D([], [], marker="o", linestyle="", markerfacecolor="white", markeredgecolor="#333333", markersize=6,
+                              label="can't be asked (caption)"))
     handles.append(Line2D([], [], color=FRONT_COLOUR, linewidth=3.2, alpha=0.25, label="Pareto front"))
     handles.append(Line2D([], [], marker="o", linestyle="", markerfacecolor="white", markeredgecolor="black",
                           markeredgewidth=1.3, markersize=6, label="on the front"))
