@@ -97,5 +97,6 @@ def test_what_can_not_be_asked_about_points_is_hollow(study, tmp_path):
         patch.setattr(pareto.style, "save_figure", lambda figure, stem: drawn.append(figure) or [])
         overview.draw_overview(points, tmp_path / "overview", "title")
     (legend,) = [axes.get_legend() for axes in drawn[0].axes if axes.get_legend()]
+    assert np.isinf(overview.overview(points).set_index("configuration").loc["fcl default", "error_mm"])
     assert any("can't be asked" in text.get_text() for text in legend.get_texts())
     plt.close(drawn[0])

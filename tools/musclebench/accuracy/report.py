@@ -37,8 +37,8 @@ from .rows import accuracy_rows, build_seconds_of, study_rows
 OVERVIEW_WORDS = (
     "Shown are the default of each backend, what its makers or users advise, and one curve over its resolution; on several "
     "muscles the sum of their times and the largest of their errors. The grey line is the Pareto front of these points. "
-    "Errors below a micrometre count as equal. A hollow marker can't be asked about single points. A marker's area grows "
-    "with the bytes of the collision structures."
+    "Errors below a micrometre count as equal. A hollow marker at the upper edge is a method that can't be asked about single "
+    "points: it has no offset. A marker's area grows with the bytes of the collision structures."
 )
 FRONT_WORDS = (
     "The grey line is the Pareto front: nothing is both faster and more accurate than what lies on it. Crossed-out "

@@ -1,5 +1,6 @@
 """The picture that a newcomer sees first: each backend as advised, as it is by default, and its first curve, on one panel."""
 
+import math
 from pathlib import Path
 
 import pandas as pd
@@ -17,6 +18,7 @@ def overview(points: pd.DataFrame) -> pd.DataFrame:
     is_curve = [series in looks.series_of(backend)[:1] for series, backend in zip(points["series"], points["backend"])]
     chosen = (points["panel"] == panel) & ~points["is_control"] & (points["is_default"] | points["is_advised"] | is_curve)
     shown = points[chosen].reset_index(drop=True)
+    shown.loc[shown["is_substitute"], "error_mm"] = math.inf  # what stands in for an offset would look exact
     # A backend has one name; of two points each has its words: FCL, as in the paper; FCL, as advised.
     counts = shown["is_default"].astype(int) + shown["is_advised"] - (shown["is_default"] & shown["is_advised"])
     is_alone = shown["backend"].map(counts.groupby(shown["backend"]).sum()) == 1

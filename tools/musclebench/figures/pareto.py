@@ -26,6 +26,7 @@ WRONG_GROWS = 1.3  # the cross beyond its marker
 EXACT_LETTERS = 6  # in a line of the words at the axis
 CONTROL_AREA = 50.0
 STROKE_POINTS = 7.0
+UNKNOWN_BELOW_EDGE = 1.5
 BREAK_POINTS = 4.0  # between the strokes that break the axis
 
 
@@ -48,7 +49,10 @@ class Axis:
         return math.sqrt(self.low_mm * self.bottom_mm)
 
     def height(self, error_mm: float) -> float:
-        return error_mm if error_mm >= self.exact_below_mm else self.exact_mm
+        """Of an error that isn't known (infinite) the upper edge."""
+        if error_mm < self.exact_below_mm:
+            return self.exact_mm
+        return min(error_mm, self.high_mm / UNKNOWN_BELOW_EDGE)
 
 
 def chosen_labels(points: pd.DataFrame) -> list:
@@ -116,7 +120,7 @@ def panel_title(panel: str, panels: list[str]) -> str:
 
 def error_axis(errors_mm: pd.Series, exact_mm: float = EXACT_MM) -> Axis:
     """Of the errors that are not exact, whole powers of ten; without any such errors from 0.001 to 1 mm."""
-    measured = errors_mm[errors_mm >= exact_mm]
+    measured = errors_mm[(errors_mm >= exact_mm) & np.isfinite(errors_mm)]
     low, high = (measured.min(), measured.max()) if len(measured) else (1e-3, 1.0)
     low = 10.0 ** math.floor(math.log10(low) - 1e-9)
     high = max(high * 2.5, low * 10)
@@ -189,8 +193,7 @@ def _draw_front(axes, points: pd.DataFrame, axis: Axis) -> None:
     if front.empty:
         return
     heights = [max(axis.height(error), axis.low_mm) if error >= axis.exact_below_mm else axis.exact_mm for error in front["error_mm"]]
-    x = [*front["time_ms"], axes.get_xlim()[1]]
-    axes.step(x, [*heights, heights[-1]], where="post", color=FRONT_COLOUR, linewidth=2.6, alpha=0.25, zorder=1.2,
+    axes.step(front["time_ms"], heights, where="post", color=FRONT_COLOUR, linewidth=2.6, alpha=0.25, zorder=1.2,
               solid_joinstyle="miter")
 
 
@@ -257,7 +260,7 @@ def _draw_key(axes, points: pd.DataFrame, emphasis: Emphasis) -> None:
                               label="wrong (caption: why)"))
     if points["is_substitute"].any():
         handles.append(Line2D([], [], marker="o", linestyle="", markerfacecolor="white", markeredgecolor="#333333", markersize=6,
-                              label="can't be asked (caption)"))
+                              label="can't be asked about points"))
     handles.append(Line2D([], [], color=FRONT_COLOUR, linewidth=3.2, alpha=0.25, label="Pareto front"))
     handles.append(Line2D([], [], marker="o", linestyle="", markerfacecolor="white", markeredgecolor="black",
                           markeredgewidth=1.3, markersize=6, label="on the front"))
