@@ -57,7 +57,7 @@ def fake_raw(tmp_path) -> Path:
     """Run folders of 4 muscles x 4 backends with the known numbers of fake_runs.py."""
     raw = tmp_path / "raw"
     for muscle in fake_runs.MUSCLES:
-        for backend in fake_runs.BACKENDS:
+        for backend in fake_runs.backends():
             fake_runs.write_run(raw / f"{muscle}-{backend}", f"synthetic/{muscle}", backend)
     return raw
 

@@ -37,7 +37,7 @@ def snapshots(deepest_m: float = 0.004) -> list[fake_runs.Snapshot]:
 def write_paper(folder: Path, muscles=MUSCLES) -> Path:
     """What tools/paper leaves, as far as the page reads it."""
     for muscle in muscles:
-        for backend in fake_runs.BACKENDS:
+        for backend in fake_runs.backends():
             fake_runs.write_run(folder / "raw" / f"{muscle}-{backend}", f"synthetic/{muscle}", backend, FRAMES, bones=BONES,
                                 triangles=MUSCLE.triangles, snapshots=snapshots(), motions=MOTIONS)
     runs = run_folder.read_runs(folder / "raw")

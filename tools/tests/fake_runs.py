@@ -10,7 +10,6 @@ from types import MappingProxyType
 import numpy as np
 
 import fake_registry
-from musclebench.paper.paper_backends import paper_backends
 
 
 @dataclass(frozen=True)
@@ -29,7 +28,6 @@ COSTS = {
     ROLES.choices: Costs(200_000_000, 90_000_000, 200_000_000),
     ROLES.exact: Costs(20_000_000, 20_000_000, 130_000_000),
 }
-BACKENDS = [name for name in paper_backends() if name in COSTS]  # those that fake_raw writes runs of
 OTHER_NS = 1_000_000
 STATIC = {"axis": [1, 0, 0], "centre_m": [0, 0, 0], "angles_rad": []}
 COLUMNS = [
@@ -43,6 +41,14 @@ MUSCLE_COLUMNS = [
     "nodes_inside_muscles", "max_muscle_depth_m", "volume_m3", "max_edge_stretch", "p99_edge_stretch",
 ]
 PAIR_COLUMNS = ["frame", "angle_deg", "muscle", "other", "contacts", "detect_ns", "crossing_triangles"]
+
+
+def backends() -> list[str]:
+    """Those that fake_raw writes runs of. What it imports takes longer than the stand-in of the program itself, which does
+    without."""
+    from musclebench.paper.paper_backends import paper_backends
+
+    return [name for name in paper_backends() if name in COSTS]
 
 
 @dataclass

@@ -30,7 +30,7 @@ def results(tmp_path_factory):
 
 
 def test_a_run_is_a_series_of_muscle_and_posed_bones(results, tmp_path):
-    backend = fake_runs.BACKENDS[1]
+    backend = fake_runs.backends()[1]
     series, = export_runs(runs_of(results / "raw" / f"iliacus-{backend}"), tmp_path)
     entries = xml.parse(series).getroot().findall("./Collection/DataSet")
     assert len(entries) == 3 * len(fake_page.KEPT)
@@ -53,12 +53,12 @@ def test_the_command_exports_all_runs_and_can_be_repeated(results, tmp_path, cap
     for _ in range(2):
         assert report.main([str(results), "--export", "vtk", "--out", str(tmp_path / "vtk")]) == 0
     assert sorted(path.name for path in (tmp_path / "vtk").iterdir() if path.suffix == ".pvd") == sorted(
-        f"iliacus-{backend}.pvd" for backend in fake_runs.BACKENDS)
+        f"iliacus-{backend}.pvd" for backend in fake_runs.backends())
     assert not list((tmp_path / "vtk").glob(".*")) and "iliacus" in capsys.readouterr().out
 
 
 def test_runs_without_shapes_are_one_line(tmp_path, capsys):
-    fake_runs.write_run(tmp_path / "raw" / "a", "synthetic/iliacus", fake_runs.BACKENDS[0])
+    fake_runs.write_run(tmp_path / "raw" / "a", "synthetic/iliacus", fake_runs.backends()[0])
     assert report.main([str(tmp_path), "--export", "vtk"]) == 2
     told = capsys.readouterr().err
     assert told.count("\n") == 1 and "--snapshots" in told and not (tmp_path / "vtk").exists()

@@ -117,7 +117,7 @@ def test_views_hold_shape_depth_and_poses(results):
     scene = next(scene for scene in told["scenes"] if scene["muscle"] == "iliacus")
     run = scene["runs"][0]
     assert run["frames"] == list(fake_page.KEPT) and run["angles_deg"] == [0, 45, 90, 45, 0]
-    assert [run["backend"] for run in scene["runs"]] == fake_runs.BACKENDS
+    assert [run["backend"] for run in scene["runs"]] == fake_runs.backends()
     count = scene["vertices"]
     order = unpacked(scene["order"], 32).cumsum()
     wanted = np.array([shot.depth_m for shot in fake_page.snapshots()])[:, order]

@@ -25,7 +25,7 @@ def test_every_complete_folder_gives_a_run(fake_raw):
     (fake_raw / ".half.12" / "run.json").write_text("{}")
     runs = run_folder.read_runs(fake_raw)
     assert len(runs) == 16
-    expected = {(muscle, backend) for muscle in fake_runs.MUSCLES for backend in fake_runs.BACKENDS}
+    expected = {(muscle, backend) for muscle in fake_runs.MUSCLES for backend in fake_runs.backends()}
     assert {(run.muscle, run.backend) for run in runs} == expected
 
 
