@@ -14,9 +14,11 @@
 #include "backends/openvdb/level_set.hpp"
 #include "core/base/input_error.hpp"
 #include "core/base/system_memory.hpp"
+#include "core/base/unsupported_input.hpp"
 #include "core/clearance/located_nodes.hpp"
 #include "core/clearance/point_backend.hpp"
 #include "core/contact/backend_entry.hpp"
+#include "core/mesh/mesh_size.hpp"
 #include "core/mesh/surface_volume.hpp"
 #include "core/signed_distance/field_error.hpp"
 
@@ -126,13 +128,7 @@ class OpenvdbBone {
 /// Of voxels inside, unless the band is narrower, and in the band outside; with what the tree and its builder take.
 double bytes_to_build(const TriangleMesh& mesh, const OpenvdbSettings& settings) {
   constexpr double bytes_a_voxel = 12;
-  double area_m2 = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3& corner = mesh.vertices[static_cast<std::size_t>(a)];
-    area_m2 += 0.5 * (mesh.vertices[static_cast<std::size_t>(b)] - corner)
-                         .cross(mesh.vertices[static_cast<std::size_t>(c)] - corner)
-                         .norm();
-  }
+  const double area_m2 = surface_area_m2(mesh);
   const double volume_m3 = std::abs(surface_volume_m3(mesh.vertices, mesh.triangles));
   const double inside_m3 = settings.depth_m > 0 ? std::min(volume_m3, area_m2 * settings.depth_m) : volume_m3;
   const double kept_m3 = inside_m3 + area_m2 * settings.band_voxels * settings.voxel_size_m;
@@ -144,10 +140,11 @@ void require_fitting_voxels(std::span<const Bone> bones, const OpenvdbSettings& 
   for (const Bone& bone : bones) {
     const Vec3 sizes = bounding_box(bone.surface.mesh.vertices).sizes();
     if (sizes.minCoeff() < 1.5 * settings.voxel_size_m) {
-      throw InputError(fmt::format("openvdb: voxel_size_m (bone '{}')", bone.name),
-                       fmt::format("{} is too coarse: OpenVDB needs 1.5 voxels between two surfaces, and the bone is "
-                                   "{:.3g} m thick; take a smaller one",
-                                   settings.voxel_size_m, sizes.minCoeff()));
+      throw UnsupportedInput(
+          fmt::format("openvdb: voxel_size_m (bone '{}')", bone.name),
+          fmt::format("{} is too coarse: OpenVDB needs 1.5 voxels between two surfaces, and the bone is "
+                      "{:.3g} m thick; take a smaller one",
+                      settings.voxel_size_m, sizes.minCoeff()));
     }
     bytes += bytes_to_build(bone.surface.mesh, settings);
   }

@@ -18,13 +18,17 @@ double touching_distance_m(const TriangleMesh& mesh) {
   return box.isEmpty() ? 0 : share * box.diagonal().norm();
 }
 
-double mean_triangle_size_m(const TriangleMesh& mesh) {
-  double area = 0;
-  for (const Triangle& triangle : mesh.triangles) {
-    const auto corner = [&](std::size_t i) { return mesh.vertices[static_cast<std::size_t>(triangle[i])]; };
-    area += 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
+double surface_area_m2(const TriangleMesh& mesh) {
+  double area_m2 = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const Vec3& corner = mesh.vertices[a];
+    area_m2 += 0.5 * (mesh.vertices[b] - corner).cross(mesh.vertices[c] - corner).norm();
   }
-  return mesh.triangles.empty() ? 0 : std::sqrt(area / static_cast<double>(mesh.triangles.size()));
+  return area_m2;
+}
+
+double mean_triangle_size_m(const TriangleMesh& mesh) {
+  return mesh.triangles.empty() ? 0 : std::sqrt(surface_area_m2(mesh) / static_cast<double>(mesh.triangles.size()));
 }
 
 }  // namespace musclebench

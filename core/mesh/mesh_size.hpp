@@ -20,6 +20,9 @@ inline Eigen::AlignedBox3d unbounded_box() {
 /// 1e-12 of the diagonal of the bounding box. It also applies to faces inside a bone, where components overlap.
 double touching_distance_m(const TriangleMesh& mesh);
 
+/// The sum of the areas of the triangles, in square metres.
+double surface_area_m2(const TriangleMesh& mesh);
+
 /// The square root of the mean area of the triangles, in metres. 0 if there are no triangles.
 double mean_triangle_size_m(const TriangleMesh& mesh);
 

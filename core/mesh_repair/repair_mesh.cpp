@@ -8,6 +8,7 @@
 
 #include "core/base/input_error.hpp"
 #include "core/mesh/mesh_edges.hpp"
+#include "core/mesh/mesh_size.hpp"
 #include "core/mesh_repair/change_log.hpp"
 #include "core/mesh_repair/close_holes.hpp"
 #include "core/mesh_repair/doubled_triangles.hpp"
@@ -135,10 +136,7 @@ Openness measure_openness(const TriangleMesh& mesh, const MeshEdges& edges) {
     const Vec3 centre = sum[rims.find(a)] / count[rims.find(a)];
     hole_area_m2 += (mesh.vertices[a] - centre).cross(mesh.vertices[b] - centre).norm() / 2;
   }
-  double area_m2 = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    area_m2 += (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]).norm() / 2;
-  }
+  const double area_m2 = surface_area_m2(mesh);
   openness.hole_share = area_m2 > 0 ? hole_area_m2 / area_m2 : 1;
   return openness;
 }

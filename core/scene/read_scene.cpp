@@ -11,6 +11,7 @@
 #include "core/base/input_error.hpp"
 #include "core/base/sha256.hpp"
 #include "core/effects/effect_registry.hpp"
+#include "core/mesh/mesh_size.hpp"
 #include "core/mesh/morton_order.hpp"
 #include "core/mesh/surface_volume.hpp"
 #include "core/mesh_files/read_mesh.hpp"
@@ -97,15 +98,8 @@ std::vector<TomlTable> few_enough(std::vector<TomlTable> bodies, const TomlTable
 /// plate a hundred times as wide as thick some 0.003.
 void require_volume(const TomlTable& table, const SceneMesh& file, const TriangleMesh& mesh) {
   constexpr double least = 1e-7;
-  double area_m2 = 0;
-  for (const auto& [a, b, c] : mesh.triangles) {
-    const Vec3& corner = mesh.vertices[static_cast<std::size_t>(a)];
-    area_m2 += 0.5 * (mesh.vertices[static_cast<std::size_t>(b)] - corner)
-                         .cross(mesh.vertices[static_cast<std::size_t>(c)] - corner)
-                         .norm();
-  }
   const double volume_m3 = surface_volume_m3(mesh.vertices, mesh.triangles);
-  if (std::abs(volume_m3) > least * std::pow(area_m2, 1.5)) return;
+  if (std::abs(volume_m3) > least * std::pow(surface_area_m2(mesh), 1.5)) return;
   throw InputError(mesh_location(table, file),
                    "encloses no volume, so that nothing can be in it: the mesh is a sheet; give it a thickness");
 }

@@ -564,3 +564,11 @@ def test_check_and_list_speak(folder):
     listed = call("list").stdout
     for word in ("voxel", "cells", "bending", "synthetic/iliacus", "paper", "standard", "time_step_s"):
         assert word in listed
+
+
+def test_a_bone_that_a_library_can_not_take_is_unsupported(folder):
+    """Exit code 6, by which a study tells it from a mistake."""
+    if "openvdb" not in {backend["name"] for backend in json.loads(call("list", "--json").stdout)["backends"]}:
+        pytest.skip("the program has no openvdb")
+    done = run(folder, "--param", "voxel_size_m=1", backend="openvdb")
+    assert done.returncode == 6 and "is too coarse" in done.stderr and not (folder / "out").exists()
