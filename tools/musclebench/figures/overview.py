@@ -18,6 +18,7 @@ def overview(points: pd.DataFrame) -> pd.DataFrame:
     is_curve = [series in looks.series_of(backend)[:1] for series, backend in zip(points["series"], points["backend"])]
     chosen = (points["panel"] == panel) & ~points["is_control"] & (points["is_default"] | points["is_advised"] | is_curve)
     shown = points[chosen].reset_index(drop=True)
+    shown["time_ms_low"] = shown["time_ms_high"] = shown["time_ms"]  # for intervals there is the whole picture
     shown.loc[shown["is_substitute"], "error_mm"] = math.inf  # what stands in for an offset would look exact
     # A backend has one name; of two points each has its words: FCL, as in the paper; FCL, as advised.
     counts = shown["is_default"].astype(int) + shown["is_advised"] - (shown["is_default"] & shown["is_advised"])

@@ -264,8 +264,8 @@ def _draw_key(axes, points: pd.DataFrame, emphasis: Emphasis) -> None:
     handles.append(Line2D([], [], color=FRONT_COLOUR, linewidth=3.2, alpha=0.25, label="Pareto front"))
     handles.append(Line2D([], [], marker="o", linestyle="", markerfacecolor="white", markeredgecolor="black",
                           markeredgewidth=1.3, markersize=6, label="on the front"))
-    handles.append(Line2D([], [], marker="|", linestyle="-", markersize=0, color="#333333",
-                          label="95 % interval"))
+    if (points["time_ms_low"] < points["time_ms_high"]).any():
+        handles.append(Line2D([], [], marker="|", linestyle="-", markersize=0, color="#333333", label="95 % interval"))
     for count in LEGEND_BYTES:
         handles.append(Line2D([], [], marker="o", linestyle="", color="#999999",
                               markersize=math.sqrt(marker_area(count)), label=f"{_bytes(count)} of structures"))
