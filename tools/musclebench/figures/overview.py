@@ -28,7 +28,7 @@ def overview(points: pd.DataFrame) -> pd.DataFrame:
     return shown
 
 
-def named(points: pd.DataFrame) -> list:
+def named(points: pd.DataFrame) -> list[int]:
     """First the backends of this project and of the paper, then other people's libraries."""
     marked = points[points["is_default"] | points["is_advised"]]
     order = looks.backends_in_order(marked["backend"])
