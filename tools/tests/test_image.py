@@ -90,6 +90,6 @@ def test_without_a_daemon_and_without_root_its_check_is_left_out(tmp_path):
         tools.stand_in("docker", script)
         done = subprocess.run([tools.root / ".ci" / "image"], capture_output=True, text=True, check=False, env=tools.environment())
         assert done.returncode == 0
-        assert done.stdout.splitlines() == [f"image: {told}", "image: left out, folders made by debootstrap need root"]
+        assert done.stdout.splitlines() == [f"image: {told}", "image: left out, folders made by debootstrap need root and the right to mount"]
     tools.stand_in("docker", '[ "$1" != build ]')
     assert subprocess.run([tools.root / ".ci" / "image"], check=False, env=tools.environment()).returncode == 1
