@@ -51,7 +51,8 @@ function tellOf(spec, row, exact, exactWords) {
   const interval = row.time_ms_low === null ? "" : ` (95 % interval ${figure(row.time_ms_low)} to ${figure(row.time_ms_high)})`;
   return [row.spoken ?? row.configuration, `${spec.x.title}: ${figure(row[spec.x.column])}${interval}`, `${spec.y.title}: ${error}`,
     ...Object.entries(spec.hover).map(([column, title]) => `${title}: ${figure(row[column])}`),
-    ...(row.is_wrong ? ["answers wrongly"] : []), ...(row.on_front ? ["on the Pareto front"] : [])];
+    ...(row.is_wrong ? ["answers wrongly"] : []),
+    ...(row.is_substitute ? ["can't be asked about single points: the depth that its own run left"] : []), ...(row.on_front ? ["on the Pareto front"] : [])];
 }
 
 function frontOf(sorted, heights, spec) {
@@ -99,7 +100,7 @@ function marksOf(sorted, place, choice) {
       data: mine.map((row) => ({
         value: place(row), row, symbolSize: sizeOf(row.structure_bytes),
         symbol: row.is_wrong ? CROSS : SYMBOLS[Math.max(0, styleOf(sorted, row)) % SYMBOLS.length],
-        itemStyle: row.is_wrong ? { color: "none", borderColor: color, borderWidth: 2 }
+        itemStyle: row.is_wrong || row.is_substitute ? { color: "none", borderColor: color, borderWidth: 2 }
           : { color, opacity: 1, borderColor: row.on_front ? ink("text") : ink("page"), borderWidth: row.on_front ? 1.8 : 0.6 },
       })),
     };

@@ -1,5 +1,7 @@
 """Which configurations are on the Pareto front, and how the picture places points and labels."""
 
+from dataclasses import replace
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -69,34 +71,76 @@ def test_lines_to_labels_cross_neither_each_other_nor_labels():
     plt.close(figure)
 
 
-def test_the_overview_has_defaults_what_is_advised_and_one_curve_a_backend(study):
-    points = front.points_of(replays_of(study), lambda one: one.p99_offset_mm, set())
-    shown = overview.overview(points)
+def drawn_rows() -> pd.DataFrame:
+    """Backend, configuration, words, series, fineness, time ms, error mm, and whether it is default, advised, a control, hollow."""
+    rows = [
+        ("null", "null", "nothing", None, 0, 0.001, 30.0, True, True, True, False),
+        ("voxel", "voxel 64", "voxel grid, 64 cells", "voxel cells", 64, 0.09, 4.0, True, True, False, False),
+        ("voxel", "voxel 64 no cache", "voxel grid, 64 cells, no cache", "voxel cells no cache", 64, 0.2, 4.0, False, False, False, False),
+        ("sdf", "sdf 64", "distance field, 64 cells", "sdf cells", 64, 0.05, 0.06, True, True, False, False),
+        ("sdf", "sdf 16", "distance field, 16 cells", "sdf cells", 16, 0.04, 0.7, False, False, False, False),
+        ("sdf", "sdf to 0.1 mm", "distance field, to 0.1 mm", "sdf adaptive", 10, 0.03, 0.05, False, False, False, False),
+        ("bvh", "bvh", "exact tree", None, 0, 0.08, 0.0, True, True, False, False),
+        ("bvh", "bvh no cache", "exact tree, no cache", None, 0, 1.0, 0.0, False, False, False, False),
+        ("fcl", "fcl default", "FCL, as in the paper", None, 0, 80.0, np.inf, True, False, False, True),
+        ("fcl", "fcl as advised", "FCL, as advised", None, 0, 0.8, 1e-5, False, True, False, False),
+        ("fcl", "fcl OBB", "FCL, OBB", None, 0, 40.0, np.inf, False, False, False, True),
+        ("brute_force", "brute_force", "brute force", None, 0, 0.07, 2e-4, True, True, False, False),
+    ]
+    names = ["backend", "configuration", "spoken", "series", "fineness", "time_ms", "error_mm", "is_default", "is_advised", "is_control",
+             "is_substitute"]
+    return pd.DataFrame(rows, columns=names).assign(
+        panel="synthetic/iliacus", is_wrong=False, on_front=False, structure_bytes=1e6, time_ms_low=lambda rows: 0.9 * rows["time_ms"],
+        time_ms_high=lambda rows: 1.1 * rows["time_ms"])
+
+
+def test_the_overview_has_defaults_what_is_advised_and_one_curve_a_backend():
+    shown = overview.overview(drawn_rows())
+    assert set(shown["configuration"]) == {"voxel 64", "sdf 64", "sdf 16", "bvh", "fcl default", "fcl as advised", "brute_force"}
+    assert set(shown.loc[shown["on_front"], "configuration"]) == {"sdf 16", "sdf 64", "brute_force"}, "a micrometre is exact"
+
+
+def test_the_overview_of_several_muscles_is_that_of_all():
+    rows = drawn_rows()
+    shown = overview.overview(pd.concat([rows, rows.assign(panel=front.ALL_MUSCLES)]))
     assert set(shown["panel"]) == {front.ALL_MUSCLES}
-    assert {"voxel 64", "sdf 64", "bvh", "fcl default", "fcl as advised"} & set(points["configuration"]) <= set(shown["configuration"])
-    curves = shown[shown["series"].notna()].groupby("backend")["series"].nunique()
-    assert (curves == 1).all() and len(curves) >= 2
-    assert not shown["is_control"].any() and shown["on_front"].any()
 
 
-def test_a_backend_that_stands_once_in_the_overview_has_its_plain_name(study):
-    shown = overview.overview(front.points_of(replays_of(study), lambda one: one.p99_offset_mm, set()))
-    named = shown.loc[overview.named(shown)]
-    assert named["spoken"].is_unique and len(named) >= 3
-    assert "exact tree" in set(named["spoken"]) and not any("default" in words for words in named["spoken"])
-    externals = [looks.backend(name).is_external for name in named["backend"]]
-    assert externals == sorted(externals), "other people's libraries come after this project's and the paper's"
+def test_a_backend_that_stands_once_in_the_overview_has_its_plain_name():
+    named = overview.overview(drawn_rows())
+    words = list(named.loc[overview.named(named), "spoken"])
+    assert sorted(words) == sorted(["voxel grid", "distance field", "exact tree", "FCL, as in the paper", "FCL, as advised", "brute force"])
 
 
-def test_what_can_not_be_asked_about_points_is_hollow(study, tmp_path):
-    replays = replays_of(study)
-    points = front.points_of(replays, lambda one: one.p99_offset_mm, set(), lambda one: one.configuration.backend == "fcl")
-    assert set(points.loc[points["is_substitute"], "backend"]) == {"fcl"}
+def test_libraries_of_others_are_named_last_in_the_overview():
+    known = looks.known()
+    other = [replace(one, study={**one.study, "external": one.name == "voxel"}) for one in known.backends]
+    looks.know(replace(known, backends=tuple(other)))
+    shown = overview.overview(drawn_rows())
+    assert shown.loc[overview.named(shown)[-1], "backend"] == "voxel"
+
+
+def test_what_can_not_be_asked_about_points_is_hollow_at_the_edge(tmp_path):
     drawn = []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(pareto.style, "save_figure", lambda figure, stem: drawn.append(figure) or [])
-        overview.draw_overview(points, tmp_path / "overview", "title")
-    (legend,) = [axes.get_legend() for axes in drawn[0].axes if axes.get_legend()]
-    assert np.isinf(overview.overview(points).set_index("configuration").loc["fcl default", "error_mm"])
-    assert any("can't be asked" in text.get_text() for text in legend.get_texts())
+        overview.draw_overview(drawn_rows(), tmp_path / "overview", "title")
+    panel, key = drawn[0].axes
+    hollow = [marks for marks in panel.collections if tuple(marks.get_facecolor()[0]) == (1, 1, 1, 1)]
+    (place,) = [marks.get_offsets()[0] for marks in hollow if len(marks.get_offsets())]
+    assert place[0] == 80 and 4 < place[1] < panel.get_ylim()[1], "above all that is known"
+    words = {text.get_text() for text in key.get_legend().get_texts()}
+    assert "can't be asked about points" in words and "95 % interval" not in words
+    written = pd.read_csv(tmp_path / "overview.csv").set_index("configuration")
+    assert np.isnan(written.loc["fcl default", "error_mm"]) and written.loc["bvh", "time_ms_low"] < written.loc["bvh", "time_ms"]
     plt.close(drawn[0])
+
+
+def test_an_error_that_is_not_known_leaves_the_time(study):
+    def is_fcl(one) -> bool:
+        return one.configuration.backend == "fcl"
+
+    points = front.points_of(replays_of(study), lambda one: np.inf if is_fcl(one) else one.p99_offset_mm, set(), is_fcl)
+    unknown = points[points["is_substitute"]]
+    assert set(unknown["backend"]) == {"fcl"} and np.isinf(unknown["error_mm"]).all() and unknown["time_ms"].notna().all()
+    assert not unknown["on_front"].any()

@@ -38,7 +38,8 @@ OVERVIEW_WORDS = (
     "Shown are the default of each backend, what its makers or users advise, and one curve over its resolution; on several "
     "muscles the sum of their times and the largest of their errors. The grey line is the Pareto front of these points. "
     "Errors below a micrometre count as equal. A hollow marker at the upper edge is a method that can't be asked about single "
-    "points: it has no offset. A marker's area grows with the bytes of the collision structures."
+    "points: it has no offset. Crossed-out configurations are wrong. At most eight points have their names beside them. A "
+    "marker's area grows with the bytes of the collision structures."
 )
 FRONT_WORDS = (
     "The grey line is the Pareto front: nothing is both faster and more accurate than what lies on it. Crossed-out "
@@ -124,12 +125,13 @@ def _draw_replay(replays: list[Aggregate], wrong: set, folder: Path) -> list[Pat
     points = points_of(replays, lambda aggregate: aggregate.p99_offset_mm, wrong, lambda aggregate: not aggregate.is_asked)
     title = "What accuracy costs in time: the same positions for every backend (replay)"
     files = draw_pareto(points, folder / "pareto_replay", title, "surface offset, 99th percentile (mm)", Emphasis("exact"))
-    error = captions.REPLAY_ERROR.format(band=captions.band_of(_cases(replays)))
-    texts = [error, captions.TIME, FRONT_WORDS, rule(), _left_out(replays, points)]
+    offset = captions.OFFSET.format(band=captions.band_of(_cases(replays)))
+    texts = [f"{offset} {captions.SUBSTITUTE}", captions.TIME, FRONT_WORDS, rule(), _left_out(replays, points)]
     all_points = _with_caption(files, title, texts, _cases(replays))
     title = "What accuracy costs: each backend as advised, at the same positions"
+    points = points_of(replays, lambda one: one.p99_offset_mm if one.is_asked else math.inf, wrong, lambda one: not one.is_asked)
     files = draw_overview(points, folder / "overview", title)
-    return all_points + _with_caption(files, title, [error, captions.TIME, OVERVIEW_WORDS, rule()], _cases(replays))
+    return all_points + _with_caption(files, title, [offset, f"{captions.MEDIAN}.", OVERVIEW_WORDS, rule(), _left_out(replays, points)], _cases(replays))
 
 
 def _draw_offsets(replays: list[Aggregate], folder: Path) -> list[Path]:

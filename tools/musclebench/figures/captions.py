@@ -5,16 +5,19 @@ from pathlib import Path
 from ..accuracy.cases import StudyCase
 from .style import muscle_label
 
-REPLAY_ERROR = (
+OFFSET = (
     "The error is the surface offset: at places of true contact, sampled over the whole motion, how far from the true "
     "surface the backend's answer changes between contact and none; 99th percentile (nearest rank) over the contacts, "
-    "inwards or outwards, searched for within {band}. A backend that answers nowhere has that bound. A method that "
-    "can't be asked about single points has the depth of nodes that its own motion leaves, 99th percentile over frames."
+    "inwards or outwards, searched for within {band}. A backend that answers nowhere has that bound."
 )
+SUBSTITUTE = (
+    "A hollow marker is a method that can't be asked about single points: it has the depth of nodes that its own motion "
+    "leaves, 99th percentile over frames."
+)
+MEDIAN = "Time is update + detect + respond of one thread: the median over the frames without warm-up of all repetitions"
 TIME = (
-    "Time is update + detect + respond of one thread: the median over the frames without warm-up of all repetitions, "
-    "with its 95 % interval (bootstrap over repetitions and, in each, blocks of ten frames of the motion; not known of "
-    "fewer than six frames)."
+    f"{MEDIAN}, with its 95 % interval (bootstrap over repetitions and, in each, blocks of ten frames of the motion; not "
+    "known of fewer than six frames)."
 )
 
 

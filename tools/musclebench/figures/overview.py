@@ -1,6 +1,5 @@
 """The picture that a newcomer sees first: each backend as advised, as it is by default, and its first curve, on one panel."""
 
-import math
 from pathlib import Path
 
 import pandas as pd
@@ -13,13 +12,12 @@ EXACT_MM = 1e-3  # a micrometre: nobody who looks for the first time cares which
 
 
 def overview(points: pd.DataFrame) -> pd.DataFrame:
-    """Of all muscles together where there are several."""
+    """Of all muscles together where there are several. An error that isn't known is infinite: what stands in for it
+    elsewhere would look exact here."""
     panel = ALL_MUSCLES if ALL_MUSCLES in set(points["panel"]) else points["panel"].iloc[0]
     is_curve = [series in looks.series_of(backend)[:1] for series, backend in zip(points["series"], points["backend"])]
     chosen = (points["panel"] == panel) & ~points["is_control"] & (points["is_default"] | points["is_advised"] | is_curve)
     shown = points[chosen].reset_index(drop=True)
-    shown["time_ms_low"] = shown["time_ms_high"] = shown["time_ms"]  # for intervals there is the whole picture
-    shown.loc[shown["is_substitute"], "error_mm"] = math.inf  # what stands in for an offset would look exact
     # A backend has one name; of two points each has its words: FCL, as in the paper; FCL, as advised.
     counts = shown["is_default"].astype(int) + shown["is_advised"] - (shown["is_default"] & shown["is_advised"])
     is_alone = shown["backend"].map(counts.groupby(shown["backend"]).sum()) == 1
@@ -39,5 +37,5 @@ def named(points: pd.DataFrame) -> list[int]:
 def draw_overview(points: pd.DataFrame, stem: Path, title: str) -> list[Path]:
     if points.empty:
         return []
-    emphasis = Emphasis("below 1 \N{MICRO SIGN}m", EXACT_MM, names_curves=False, named=named)
+    emphasis = Emphasis("below 1 \N{MICRO SIGN}m", EXACT_MM, has_intervals=False, names_curves=False, named=named)
     return draw_pareto(overview(points), stem, title, "surface offset, 99th percentile (mm)", emphasis)

@@ -76,6 +76,7 @@ class Emphasis:
 
     nothing: str  # what an error below `exact_mm` is called
     exact_mm: float = EXACT_MM
+    has_intervals: bool = True  # of times
     names_curves: bool = True  # in the key, where a backend has several; else backends alone
     named: Callable[[pd.DataFrame], list] = chosen_labels  # index of points, those that matter most first
 
@@ -106,7 +107,7 @@ def draw_pareto(points: pd.DataFrame, stem: Path, title: str, error_title: str, 
         _draw_panel(cell, points[points["panel"] == panel], axis, emphasis)
     _draw_key(cells[len(panels)], points, emphasis)
     table = stem.with_suffix(".csv")
-    points.to_csv(table, index=False)
+    points.replace(math.inf, math.nan).to_csv(table, index=False)
     return [*style.save_figure(figure, stem), table]
 
 
@@ -160,18 +161,18 @@ def _draw_panel(axes, points: pd.DataFrame, axis: Axis, emphasis: Emphasis) -> N
             marks += _draw_control(axes, point, heights[index])
             levels.append(heights[index])
         else:
-            _draw_point(axes, point, heights[index])
+            _draw_point(axes, point, heights[index], emphasis)
     shown = points[~points["is_control"]]
     named = emphasis.named(shown)[:MOST_LABELS]
-    labels = marks + [_label(shown.loc[index], heights[index], index in named) for index in
+    labels = marks + [_label(shown.loc[index], heights[index], index in named, emphasis) for index in
               [*named, *(index for index in shown.index if index not in named)]]
     place_labels(axes, labels, style.SMALLEST_POINTS, levels)
 
 
-def _label(point, height: float, is_named: bool) -> Label:
+def _label(point, height: float, is_named: bool, emphasis: Emphasis) -> Label:
     radius = math.sqrt(marker_area(point["structure_bytes"])) / 2 * (WRONG_GROWS if point["is_wrong"] else 1)
     return Label(point["time_ms"], height, point["spoken"] if is_named else "", looks.colour(point["backend"]), radius,
-                 _side(point), (point["time_ms_low"], point["time_ms_high"]))
+                 _side(point), (point["time_ms_low"], point["time_ms_high"]) if emphasis.has_intervals else None)
 
 
 def _mark_exact(axes, axis: Axis) -> list[Label]:
@@ -197,10 +198,11 @@ def _draw_front(axes, points: pd.DataFrame, axis: Axis) -> None:
               solid_joinstyle="miter")
 
 
-def _draw_point(axes, point, height: float) -> None:
+def _draw_point(axes, point, height: float, emphasis: Emphasis) -> None:
     colour, area = looks.colour(point["backend"]), marker_area(point["structure_bytes"])
-    axes.plot([point["time_ms_low"], point["time_ms_high"]], [height, height], color=colour, linewidth=1.0, alpha=0.8,
-              zorder=3, solid_capstyle="butt")
+    if emphasis.has_intervals:
+        axes.plot([point["time_ms_low"], point["time_ms_high"]], [height, height], color=colour, linewidth=1.0, alpha=0.8,
+                  zorder=3, solid_capstyle="butt")
     shape = _marker(point)
     wrong, hollow = point["is_wrong"], point["is_substitute"]
     edge = "black" if point["on_front"] else colour if wrong or hollow else "white"
@@ -264,7 +266,7 @@ def _draw_key(axes, points: pd.DataFrame, emphasis: Emphasis) -> None:
     handles.append(Line2D([], [], color=FRONT_COLOUR, linewidth=3.2, alpha=0.25, label="Pareto front"))
     handles.append(Line2D([], [], marker="o", linestyle="", markerfacecolor="white", markeredgecolor="black",
                           markeredgewidth=1.3, markersize=6, label="on the front"))
-    if (points["time_ms_low"] < points["time_ms_high"]).any():
+    if emphasis.has_intervals:
         handles.append(Line2D([], [], marker="|", linestyle="-", markersize=0, color="#333333", label="95 % interval"))
     for count in LEGEND_BYTES:
         handles.append(Line2D([], [], marker="o", linestyle="", color="#999999",

@@ -55,6 +55,9 @@ def _cell(value, column: str) -> str:
     return muscle_label(value) if column == "muscle" else str(value)
 
 
+HOLLOW = " Hollow points can't be asked about single points: their error is the depth that their own run left."
+
+
 def pareto_chart(folder: Path, name: str, error_title: str, exact_mm: float, exact_words: str) -> list[Chart]:
     """Of NAME.csv, the points that the study drew, and the paragraphs of NAME.md."""
     source = folder / f"{name}.csv"
@@ -65,11 +68,14 @@ def pareto_chart(folder: Path, name: str, error_title: str, exact_mm: float, exa
     rows["structure_mb"] = rows["structure_bytes"] / 1e6
     if "spoken" not in rows:  # of a study before its points had names for readers
         rows["spoken"] = rows["configuration"]
-    for column in ("is_control", "is_wrong", "on_front"):
+    if "is_substitute" not in rows:
+        rows["is_substitute"] = False
+    for column in ("is_control", "is_wrong", "is_substitute", "on_front"):
         rows[column] = rows[column].astype(int)
     title, *paragraphs = caption_of(folder, name)
     return [Chart(name, title, "Left is fast, low is accurate. A point is a setting, a curve goes over a backend's resolutions. The grey line is the "
-                  "Pareto front: no other setting is both faster and more accurate. Crosses mark settings whose contacts are wrong.",
+                  "Pareto front: no other setting is both faster and more accurate. Crosses mark settings whose contacts are wrong."
+                  + (HOLLOW if rows["is_substitute"].any() else ""),
                   "points", rows, Axis("time_ms", "collision time a frame (ms)", True), Axis("error_mm", error_title, True),
                   {"structure_mb": "structures (MB)", "frames": "frames", "repetitions": "repetitions"},
                   {"exact_mm": exact_mm, "exact_words": f"{exact_words} (below 1 nm)"}, more=paragraphs)]
