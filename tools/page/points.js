@@ -4,7 +4,8 @@ import { escaped, figure, ink } from "./words.js";
 
 const SYMBOLS = ["circle", "rect", "diamond", "triangle", "roundRect", "arrow"];
 const CROSS = "path://M-1,-1L1,1M-1,1L1,-1";
-const BAND_DECADES = 0.8;
+const BAND_DECADES = 1.2;
+const BAND_SHARE = 0.68; // of the band's height: below it are its words
 
 export function pointsOf(spec, rows, choice) {
   const { exact_mm: exact, exact_words: exactWords } = spec;
@@ -15,7 +16,7 @@ export function pointsOf(spec, rows, choice) {
   const hasBand = points.some((row) => row[spec.y.column] < exact);
   const bottom = hasBand ? low / 10 ** BAND_DECADES : low;
   const sorted = [...points].sort((a, b) => a[spec.x.column] - b[spec.x.column]);
-  const heights = new Map(sorted.map((row) => [row, row[spec.y.column] >= exact ? row[spec.y.column] : Math.sqrt(low * bottom)]));
+  const heights = new Map(sorted.map((row) => [row, row[spec.y.column] >= exact ? row[spec.y.column] : bottom ** (1 - BAND_SHARE) * low ** BAND_SHARE]));
   const place = (row) => [row[spec.x.column], heights.get(row)];
   const series = [...frontOf(sorted, heights, spec), ...curvesOf(points, place, choice), barsOf(points, spec, heights, choice)];
   const first = series.length;
