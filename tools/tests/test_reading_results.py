@@ -56,5 +56,5 @@ def test_readme_names_columns_that_are_there(results):
     units = ("_ns", "_m", "_m3", "_deg", "_bytes")
     named = {word for word in re.findall(r"`([a-z0-9_]+)`", (PROJECT / "README.md").read_text()) if word.endswith(units)}
     keys = {key["name"].split(".")[-1] for keys in results["run_json"].values() for key in keys}
-    parameters = {"_m", "distance_m", "margin_m", "outline_m", "centre_m", "band_m", "depth_m"}
+    parameters = {"_m", "distance_m", "margin_m", "outline_m", "centre_m", "depth_m", "to_deg"}
     assert named - every - keys - parameters == set()
