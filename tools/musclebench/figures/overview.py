@@ -19,8 +19,7 @@ def overview(points: pd.DataFrame) -> pd.DataFrame:
     chosen = (points["panel"] == panel) & ~points["is_control"] & (points["is_default"] | points["is_advised"] | is_curve)
     shown = points[chosen].reset_index(drop=True)
     # A backend has one name; of two points each has its words: FCL, as in the paper; FCL, as advised.
-    counts = shown["is_default"].astype(int) + shown["is_advised"] - (shown["is_default"] & shown["is_advised"])
-    is_alone = shown["backend"].map(counts.groupby(shown["backend"]).sum()) == 1
+    is_alone = (shown["is_default"] | shown["is_advised"]).groupby(shown["backend"]).transform("sum") == 1
     shown["spoken"] = shown["spoken"].mask(is_alone, shown["backend"].map(looks.title))
     shown["on_front"] = shown.index.isin(on_front(shown, EXACT_MM))
     return shown
