@@ -1,10 +1,12 @@
-"""The drawings of reports/performance are those that tools/draw_diagrams.py makes, and each is on a page."""
+"""The drawings of the pages are those that tools/draw_diagrams.py makes, and each is on a page."""
 
 import re
 import subprocess
 import sys
 
 import draw_diagrams
+from copied_tools import PROJECT
+from musclebench.diagrams import constraints
 
 
 def test_pictures_are_as_they_are_drawn_and_shown(tmp_path):
@@ -12,10 +14,10 @@ def test_pictures_are_as_they_are_drawn_and_shown(tmp_path):
     subprocess.run([sys.executable, draw_diagrams.__file__, str(tmp_path)], check=True, stdout=subprocess.DEVNULL)
     drawn = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
     assert {path.name: path.read_bytes() for path in draw_diagrams.FOLDER.iterdir()} == drawn
-    pages = "".join(page.read_text() for page in draw_diagrams.FOLDER.parent.glob("*.md"))
-    assert set(re.findall(r"\]\(pictures/([\w.]+)\)", pages)) == set(drawn)
+    pages = "".join(page.read_text() for page in [PROJECT / "CONTRIBUTING.md", *draw_diagrams.FOLDER.parent.rglob("*.md")])
+    assert set(re.findall(r"\]\([\w./]*?pictures/([\w.]+)\)", pages)) == set(drawn)
 
 
 def test_constraints_of_a_drawn_colour_share_no_node():
-    colours = draw_diagrams.coloured(draw_diagrams.sheet()[1])
+    colours = constraints.coloured(constraints.sheet()[1])
     assert all(len({node for pair in colour for node in pair}) == 4 * len(colour) for colour in colours)
