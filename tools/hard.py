@@ -15,7 +15,7 @@ from musclebench.experiments.experiment_file import ExperimentFile, of_project
 from musclebench.experiments.running import Sweep, limits_of, sweep_of
 from musclebench.experiments.selection import check_backend
 from musclebench.figures import looks
-from musclebench.figures.hard_cases import draw_matrix, draw_strips
+from musclebench.figures.hard_cases import draw_counts, draw_matrix, draw_strips
 from musclebench.hard import hard_tables
 from musclebench.hard.cell_folder import BROKEN, HELD, joined
 from musclebench.hard.cells import cases_of, cells_of
@@ -91,6 +91,7 @@ def run_and_report(arguments) -> int:
     rows, cells, files = write_tables(sweep, options, folders.out_dir)
     print("\n" + "\n\n".join(filter(None, [hard_tables.as_text(cells), caveats(folders.out_dir)])))
     with left_out_without("the matrix as a picture and the strips of scenes"):
+        files += draw_counts(rows, folders.out_dir / "figures" / "counts")
         files += draw_matrix(rows, folders.out_dir / "figures" / "matrix")
         if not options.no_pictures:
             runs, more = strips(rows, options, registry, folders.out_dir / "raw" / "scenes")

@@ -12,7 +12,8 @@ import fake_runs
 from musclebench.figures import looks
 from musclebench.figures.cuts import cut
 from musclebench.figures.effect_scenes import MUSCLE_COLOURS
-from musclebench.figures.hard_cases import draw_matrix, draw_strips
+from musclebench.figures.collisions import collisions
+from musclebench.figures.hard_cases import draw_counts, draw_matrix, draw_strips
 from musclebench.program.registry import parse_registry
 from musclebench.results.run_folder import read_run
 from printed import check_print, keep_figures
@@ -73,3 +74,18 @@ def test_the_matrix_of_every_backend_can_be_read(tmp_path, monkeypatch):
     keep_figures(monkeypatch, kept)
     draw_matrix(rows, tmp_path / "matrix")
     check_print(*kept["matrix"])
+    draw_counts(rows, tmp_path / "counts")
+    check_print(*kept["counts"])
+
+
+def test_bars_count_what_holds_breaks_and_is_refused(tmp_path, monkeypatch):
+    told = {"sdf": ["holds", "holds", "breaks"], "bvh": ["breaks", "refused", "not applicable"]}
+    rows = pd.DataFrame([{"case": f"case-{number}", "backend": backend, "verdict": verdict}
+                         for backend, verdicts in told.items() for number, verdict in enumerate(verdicts) for _ in range(2)])
+    kept: dict = {}
+    keep_figures(monkeypatch, kept)
+    draw_counts(rows, tmp_path / "counts")
+    figure, _ = kept["counts"]
+    bars = {bars.get_label(): [bar.get_width() for bar in bars] for bars in figure.axes[0].containers}
+    assert bars == {"holds": [2, 0], "breaks": [1, 1], "refused": [0, 1]}
+    assert collisions(figure) == []

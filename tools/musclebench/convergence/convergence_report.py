@@ -1,4 +1,4 @@
-"""The table of the convergence study: how far each shape is from that of the most substeps."""
+"""The table and the figure of the convergence study: how far each shape is from that of the most substeps."""
 
 from pathlib import Path
 
@@ -6,6 +6,8 @@ import numpy as np
 import pandas as pd
 
 from ..experiments.caveats import caveats
+from ..figures.convergence import draw_substeps
+from ..program.optional_packages import left_out_without
 from ..results.ply import read_ply
 from ..results.run_folder import Run, read_run
 from ..results.statistics import percentile
@@ -31,8 +33,13 @@ def write_report(folders: list[Path], out_dir: Path) -> tuple[Table, list[Path]]
             for row in _rows([run for run in runs if run.scene == scene])]
     table = Table("substeps", CAPTION, COLUMNS, pd.DataFrame(rows, columns=[column.key for column in COLUMNS]), SHOWN)
     table = table.with_sentence(caveats(out_dir.parent))
-    out_dir.mkdir(parents=True, exist_ok=True)
-    return table, write_table(table, out_dir)
+    figures = out_dir.parent / "figures"
+    for folder in (out_dir, figures):
+        folder.mkdir(parents=True, exist_ok=True)
+    files = write_table(table, out_dir)
+    with left_out_without("the figure"):
+        files += draw_substeps(table.rows, figures / "substeps")
+    return table, files
 
 
 def _rows(runs: list[Run]) -> list[dict]:

@@ -1,4 +1,4 @@
-"""The matrix of hard cases as a picture, and a strip of each scene that they move."""
+"""The matrix of hard cases as a picture, its counts, and a strip of each scene that they move."""
 
 import math
 from pathlib import Path
@@ -48,6 +48,30 @@ def draw_matrix(rows: pd.DataFrame, stem: Path) -> list[Path]:
         side.set_visible(False)
     figure.tight_layout()
     style.add_note(figure, "Empty: not applicable. Refused: the figure is beyond its bar, and the program says so.")
+    return style.save_figure(figure, stem)
+
+
+def draw_counts(rows: pd.DataFrame, stem: Path) -> list[Path]:
+    """How many cases each backend holds, breaks and refuses; of those that ask it. `rows`: those of matrix.csv."""
+    style.apply_style()
+    cells = rows.drop_duplicates(["case", "backend"])
+    asked = [verdict for verdict in COLOURS if verdict != "not applicable"]
+    table = pd.crosstab(cells["backend"], cells["verdict"]).reindex(index=cells["backend"].unique(), columns=asked, fill_value=0)
+    figure, axes = plt.subplots(figsize=(style.PAGE_INCHES, ROW_INCHES * len(table) + 0.7))
+    left = pd.Series(0, index=table.index)
+    for verdict in asked:
+        axes.barh(range(len(table)), table[verdict], left=left, color=COLOURS[verdict], height=0.85, label=verdict)
+        for line, (start, count) in enumerate(zip(left, table[verdict])):
+            if count:
+                axes.text(start + count / 2, line, str(count), ha="center", va="center", fontsize=style.SMALLEST_POINTS,
+                          color="black" if verdict == "refused" else "white")
+        left += table[verdict]
+    axes.set_yticks(range(len(table)), [looks.title(name) for name in table.index])
+    axes.set(ylim=(len(table) - 0.4, -0.6), xlabel="cases that ask the backend")
+    axes.tick_params(axis="y", length=0)
+    axes.grid(False)
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=len(asked), frameon=False)
+    figure.tight_layout(pad=0.3)
     return style.save_figure(figure, stem)
 
 

@@ -1,4 +1,4 @@
-"""The table of targets as text, Markdown, CSV and JSON."""
+"""The table of targets as text, Markdown, CSV, JSON and picture."""
 
 import json
 import math
@@ -7,7 +7,9 @@ from pathlib import Path
 import pandas as pd
 
 from ..experiments.caveats import caveats
+from ..figures.targets import draw_targets
 from ..program.fingerprint import write_whole
+from ..program.optional_packages import left_out_without
 from ..program.registry import saved_registry, whose
 from ..results.disturbance import disturbed, note
 from ..results.run_folder import ResultProblem, implementations, read_runs
@@ -47,7 +49,15 @@ def write_report(out_dir: Path) -> tuple[list[Row], list[Path]]:
              "speed.json": as_json(table, measured)}
     for name, text in files.items():
         write_whole(out_dir / name, text)
-    return table, [out_dir / name for name in files]
+    return table, [out_dir / name for name in files] + _drawn(table, out_dir / "figures")
+
+
+def _drawn(table: list[Row], folder: Path) -> list[Path]:
+    folder.mkdir(exist_ok=True)
+    files: list[Path] = []
+    with left_out_without("the figure"):
+        files = draw_targets(pd.DataFrame(_records(table), columns=list(FIELDS)), folder / "targets")
+    return files
 
 
 def as_text(table: list[Row]) -> str:
