@@ -229,6 +229,14 @@ def test_pictures_keep_their_link_and_get_a_source(small, tmp_path):
     assert (picture.study, picture.figure) == ("paper-lhdl", "fig_6") and picture.file.name == "x.png"
 
 
+def test_a_picture_beside_text_keeps_its_place_and_names_its_source_once(small, tmp_path):
+    page = '<!-- picture: paper-lhdl fig_6 -->\n<img align="right" alt="a muscle" src="reports/gallery/x.png">\n<!-- end -->\n'
+    new = written(page, small, "page")
+    assert 'src="reports/gallery/x.png" title="tools/paper' in new and "<sub>" not in new
+    assert written(new, small, "page") == new
+    assert next(iter(pictures_in(new, tmp_path / "README.md"))).file.name == "x.png"
+
+
 def test_what_was_not_measured_yet_says_so_until_it_is(small, tmp_path):
     """And keeps its link as a comment."""
     page = "<!-- picture: paper-hip fig -->\n![a hip](x.png)\n<!-- end -->\n<!-- generated: depths paper-hip -->\n" \

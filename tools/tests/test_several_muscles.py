@@ -92,7 +92,7 @@ def test_each_muscle_has_its_colour_in_a_figure_of_all(out, monkeypatch):
     runs = [read_run(out / "raw" / name) for name in NAMES]
     (out / "figures").mkdir()
     files = surface_figures.draw_surface_figures(runs, out / "figures", lambda text: None)
-    assert set(kept) == {"fig_6_hip", "muscles_at_full_flexion", "muscles_of_hip", "attachments"}
+    assert set(kept) == {"fig_6_hip", "muscles_at_full_flexion", "muscles_of_hip", "half_flexion_of_hip", "attachments"}
     assert all(path.stat().st_size > 0 for path in files)
     for figure, paths in kept.values():
         check_print(figure, paths)

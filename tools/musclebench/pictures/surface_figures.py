@@ -140,25 +140,41 @@ def _draw_several(studio: Studio, scene: str, run: Run, folder: Path, say) -> li
     chosen = choose_moments(kept)
     snapshots = list({shot.frame: shot for shot in (chosen.rest, chosen.half, chosen.full, kept[-1])}.values())
     muscles = run.record["muscles"]
-    counts = [muscle["vertices"] for muscle in muscles]
+    counts, names = [muscle["vertices"] for muscle in muscles], [muscle["name"] for muscle in muscles]
     figure, panels = plt.subplots(2, len(snapshots), squeeze=False,
                                   figsize=(style.PAGE_INCHES, 2 * style.PAGE_INCHES / max(len(snapshots), 3) + 0.6))
     figure.subplots_adjust(left=0.05, right=0.99, top=0.88, bottom=0.11, wspace=0.02, hspace=0.02)
     for column, snapshot in enumerate(snapshots):
         say(f"{style.muscle_label(scene)}, {_degrees(snapshot.angle_deg)}")
         for row in range(2):
-            _show(panels[row, column], studio.muscles(snapshot, counts, from_behind=row == 1))
+            picture = studio.muscles(snapshot, counts, from_behind=row == 1)
+            _show(panels[row, column], picture)
+            if snapshot is chosen.half and row == 0:
+                paths = draw_half_flexion(picture, names, folder / f"half_flexion_of_{scene}")
         panels[0, column].set_title(f"frame {snapshot.frame}, {_degrees(snapshot.angle_deg)}", fontsize=7)
     for row, text in enumerate(("muscle's side", "other side")):
         _row_name(panels[row, 0], text, "black")
-    marks = [plt.Line2D([], [], marker="o", linestyle="", color=MUSCLE_COLOURS[i % len(MUSCLE_COLOURS)] / 255)
-             for i in range(len(muscles))]
-    figure.legend(marks, [style.muscle_label(muscle["name"]) for muscle in muscles], ncols=len(muscles), fontsize=7,
-                  loc="lower center", bbox_to_anchor=(0.5, 0.03), frameon=False)
+    _name_muscles(figure, names, len(names), (0.5, 0.03))
     figure.suptitle(f"{style.muscle_label(scene).capitalize()} with {looks.title_and_name(run.backend)}", x=0.02, ha="left", y=0.99, va="top")
     style.add_note(figure, caption([run]), y=0.0)
     rows = pd.DataFrame([{"frame": s.frame, "angle_deg": s.angle_deg} for s in snapshots])
-    return _save(figure, rows, folder / f"muscles_of_{scene}")
+    return [*paths, *_save(figure, rows, folder / f"muscles_of_{scene}")]
+
+
+def draw_half_flexion(picture: np.ndarray, muscles: list[str], stem: Path) -> list[Path]:
+    """One view of all muscles, small enough to stand beside text."""
+    figure, panel = plt.subplots(figsize=(style.COLUMN_INCHES, style.COLUMN_INCHES))
+    _show(panel, picture)
+    figure.subplots_adjust(left=0, right=1, top=1, bottom=0.17)
+    _name_muscles(figure, muscles, 2, (0.5, 0.0), points=9)
+    return style.save_figure(figure, stem)
+
+
+def _name_muscles(figure, names: list[str], columns: int, anchor: tuple[float, float], points: float = 7) -> None:
+    marks = [plt.Line2D([], [], marker="o", linestyle="", color=MUSCLE_COLOURS[i % len(MUSCLE_COLOURS)] / 255)
+             for i in range(len(names))]
+    figure.legend(marks, [style.muscle_label(name) for name in names], ncols=columns, fontsize=points, loc="lower center",
+                  bbox_to_anchor=anchor, frameon=False)
 
 
 def _draw_attachments(studios, cases, moments, runs, folder: Path, say) -> list[Path]:

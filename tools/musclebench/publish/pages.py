@@ -23,7 +23,8 @@ MARKED = re.compile(r"<!-- (generated|value|picture): ([^>]*?) -->(.*?)<!-- end 
 OPENING = re.compile(r"<!-- (generated|value|picture): ")
 CLAIM = re.compile(r"<!-- claim: (.*?) -->", re.DOTALL)
 COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
-LINK = re.compile(r"!\[([^\]]*)\]\(([^)]*)\)")
+LINK = re.compile(r"!\[[^\]]*\]\((?P<path>[^)]*)\)|<img [^>]*?src=\"(?P<source>[^\"]*)\"[^>]*>")
+TITLE = re.compile(r" title=\"[^\"]*\"")
 NOT_YET = "not measured yet"
 NOT_PAGES = {"experiments.md"}
 
@@ -90,7 +91,7 @@ def pictures_in(text: str, page: Path) -> Iterator[Picture]:
         link = LINK.search(COMMENT.sub("", inside))
         if kind == "picture" and link:
             study, _, figure = specification.strip().partition(" ")
-            yield Picture(study, figure, (page.parent / link.group(2)).resolve())
+            yield Picture(study, figure, (page.parent / (link["path"] or link["source"])).resolve())
 
 
 def _table(measured: Measured, specification: str, _: str) -> str:
@@ -102,11 +103,16 @@ def _value(measured: Measured, specification: str, _: str) -> str:
 
 
 def _picture(measured: Measured, specification: str, old: str) -> str:
-    """The link stays as it was written; what is under it says where the picture comes from."""
+    """The link stays as it was written; what is under it says where the picture comes from. One that text flows around
+    (`<img align=...>`) has no room for that: it says so when it is pointed at."""
     link = LINK.search(old)
     if link is None:
-        raise Problem(f"picture '{specification}': there has to be a link ![...](...) between the markers")
-    return f"\n{link.group(0)}<br>{measured.source(study_of('picture', specification)).short_words()}\n"
+        raise Problem(f"picture '{specification}': there has to be a link ![...](...) or <img src=...> between the markers")
+    source = measured.source(study_of("picture", specification))
+    if link["source"]:
+        told = re.sub("</?sub>|`", "", source.short_words())
+        return f'\n{TITLE.sub("", link.group(0))[:-1]} title="{told}">\n'
+    return f"\n{link.group(0)}<br>{source.short_words()}\n"
 
 
 def _not_yet(kind: str, old: str) -> str:
