@@ -38,7 +38,7 @@ def test_what_failed_or_is_missing_is_a_row_and_not_in_a_figure(study):
     assert "voxel 48 (missing)" in caption and "fcl KDOP24 (unsupported)" in caption
     for name in ("price_list", "coupled_outcomes"):
         told = (study / "tables" / f"{name}.md").read_text()
-        assert "Implementations: " in told and "sdf: this project, after Discregrid's method" in told
+        assert "Whose code? " in told and "sdf: this project, after Discregrid's method" in told
     assert all(path.is_file() for path in made)
 
 

@@ -12,7 +12,7 @@ from program import PROGRAM, call, needs_program
 import pandas as pd
 
 WHOSE = {"voxel": "this project", "bvh": "this project", "fcl": "FCL 0.7.0", "old": ""}
-TOLD = "Implementations: voxel, bvh: this project; fcl: FCL 0.7.0."
+TOLD = "Whose code? voxel, bvh: this project. fcl: FCL 0.7.0."
 
 
 def test_backends_of_one_implementation_stand_together():
@@ -29,7 +29,7 @@ def test_a_table_says_it_in_every_form():
 
 def test_a_page_says_whose_the_measured_backends_are():
     source = Source("tools/paper", "abc", "A processor", "GNU", "2026-01-01", 2)
-    assert "Implementations" not in source.words(), "measured before runs told"
+    assert "Whose code?" not in source.words(), "measured before runs told"
     told = Source(**(json.loads(json.dumps(vars(source))) | {"implementations": WHOSE})).words()
     assert told.endswith(f"{TOLD}</sub>")
 

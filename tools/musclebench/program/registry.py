@@ -152,13 +152,13 @@ class Registry:
 
 
 def whose(implementations: dict[str, str]) -> str:
-    """One sentence for below a table: by backend, whose code it is; empty where nobody told."""
+    """Short sentences for below a table: by backend, whose code it is; empty where nobody told."""
     backends_of: dict[str, list[str]] = {}
     for backend, implementation in implementations.items():
         if implementation:
             backends_of.setdefault(implementation, []).append(backend)
-    told = "; ".join(f"{', '.join(backends)}: {implementation}" for implementation, backends in backends_of.items())
-    return f"Implementations: {told}." if told else ""
+    told = " ".join(f"{', '.join(backends)}: {implementation}." for implementation, backends in backends_of.items())
+    return f"Whose code? {told}" if told else ""
 
 
 def read_registry(program: Path) -> Registry:
