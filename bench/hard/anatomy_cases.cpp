@@ -160,21 +160,19 @@ HardCell far_flexion(const HardRequest& request) {
 constexpr std::array cases_of_anatomy = {
     HardCase{
         .id = "return-to-rest",
-        .what =
-            "The real adductor brevis (in the long run all four muscles, 50 times where once holds) is flexed there "
-            "and back, preset standard with self-contact, and rests for half a second.",
+        .what = "The real adductor brevis is flexed there and back, preset standard with self-contact, and rests for "
+                "half a second. In the long run all four muscles are, 50 times where once holds.",
         .why = "Folds that lock and nodes on the wrong side do not come back (15 mm on the gluteus maximus, once).",
         .bar = "RMS to rest 2 mm; from the first to the 50th return 1e-3 of the diagonal; the sane figures",
         .scene = "",
         .run = return_to_rest},
-    HardCase{
-        .id = "far-flexion",
-        .what = "The real adductor brevis (in the long run all four muscles) under flexion to 120 degrees, with the 40 "
-                "degrees of adduction and 30 of rotation of its model's motion tables, and the tunnelling guard.",
-        .why = "Beyond the paper's 90 degrees muscles are wound around bones and pinched between them.",
-        .bar = "no node on the wrong side of a bone, the sane figures",
-        .scene = "",
-        .run = far_flexion},
+    HardCase{.id = "far-flexion",
+             .what = "The real adductor brevis (in the long run all four muscles) under flexion to 120 degrees, with "
+                     "the tunnelling guard. Its model's motion tables add 40 degrees of adduction and 30 of rotation.",
+             .why = "Beyond the paper's 90 degrees muscles are wound around bones and pinched between them.",
+             .bar = "no node on the wrong side of a bone, the sane figures",
+             .scene = "",
+             .run = far_flexion},
     HardCase{.id = "self-intersection",
              .what = "The real iliacus (in the long run all four muscles) in the same flexion.",
              .why = "Folds of a muscle pass through each other (436 of 13,858 triangles, once), and then they lock.",

@@ -222,16 +222,14 @@ constexpr std::array cases_of_courses = {
         .bar = "shapes within 0.1 mm at full flexion and after the return, the sane figures",
         .scene = flexed_muscle,
         .run = sensitivity},
-    HardCase{
-        .id = "scaled-run",
-        .what =
-            "A ball that a plate sweeps along, and both a thousand times as large and as small (in the long run each "
-            "of them by a power of two and by one of ten).",
-        .why = "A tolerance in metres anywhere in the loop, its effects or a backend shows.",
-        .bar = "by a power of two the same bits, by one of ten within 1e-3 of the diagonal",
-        .scene = "hard/step_size",
-        .left_out_because = "shapes are compared, of runs that are judged in step-size-unguarded",
-        .run = scaled_run},
+    HardCase{.id = "scaled-run",
+             .what = "A ball that a plate sweeps along, and both a thousand times as large and as small. In the long "
+                     "run each of them by a power of two and by one of ten.",
+             .why = "A tolerance in metres anywhere in the loop, its effects or a backend shows.",
+             .bar = "by a power of two the same bits, by one of ten within 1e-3 of the diagonal",
+             .scene = "hard/step_size",
+             .left_out_because = "shapes are compared, of runs that are judged in step-size-unguarded",
+             .run = scaled_run},
     HardCase{.id = "judge-flush",
              .what =
                  "A muscle fills the groove of a bone, its faces on the bone's; once more with every tenth triangle "

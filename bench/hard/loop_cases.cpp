@@ -380,9 +380,8 @@ constexpr std::array cases_of_the_loop = {
         .what = "A ball shaken by 1 mm, in the presets paper and standard, with each number of each effect at both "
                 "ends of its range, one at a time.",
         .why = "Divisions without a guard show at the ends: no stiffness, all pressure, no compliance.",
-        .bar =
-            "no node farther than 0.1 diagonals from its rest within 20 frames, or for a pressure p the distance to a "
-            "ball of p times the volume and a quarter more; volume within 1 % for pressures of 0.5 and 2",
+        .bar = "no node farther than 0.1 diagonals from its rest within 20 frames; for a pressure p, no farther than a "
+               "ball of p times the volume and a quarter more; volume within 1 % for pressures of 0.5 and 2",
         .scene = "hard/extremes",
         .left_out_because = "nothing touches it, and without stiffness or with all pressure its edges are to be longer",
         .asks_backend = false,
@@ -408,9 +407,8 @@ constexpr std::array cases_of_the_loop = {
     HardCase{.id = "angle-rule",
              .what = "Random steps near a plate, a bumpy ball and a spike: which pass through, by all triangles one by "
                      "one; which the tunnelling guard ends, and which the paper's rule of 135 degrees.",
-             .why =
-                 "Directions to the nearest surface differ by less where a step passes a corner, and by more where it "
-                 "passes by a spike (paper VI-A, proposed and not tested).",
+             .why = "Directions to the nearest surface differ by less where a step passes a corner. They differ by "
+                    "more where it passes by a spike (paper VI-A, proposed and not tested).",
              .bar = "the guard as shipped lets none pass; recall and precision of the rule are reported",
              .scene = "",
              .asks_backend = false,

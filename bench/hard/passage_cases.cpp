@@ -82,7 +82,7 @@ constexpr auto squeezed_flat =
 
 constexpr std::array cases_of_passage = {
     HardCase{.id = "no-passage-bones",
-             .what = "A block flies onto a needle at 1 and 100 m/s and onto a ridge at 10 m/s, and a ball at a plate "
+             .what = "A block flies onto a needle at 1 and 100 m/s and onto a ridge at 10 m/s. A ball flies at a plate "
                      "at 100 m/s.",
              .why = "A step is longer than the bone is thick, and needle and ridge meet no node (review 4, 5).",
              .bar = "no node and no triangle through the bone or through the muscle itself, in any frame",
