@@ -128,7 +128,7 @@ def _draw_replay(replays: list[Aggregate], wrong: set, folder: Path) -> list[Pat
     offset = captions.OFFSET.format(band=captions.band_of(_cases(replays)))
     texts = [f"{offset} {captions.SUBSTITUTE}", captions.TIME, FRONT_WORDS, rule(), _left_out(replays, points)]
     all_points = _with_caption(files, title, texts, _cases(replays))
-    title = "What accuracy costs: each backend as advised, at the same positions"
+    title = "What accuracy costs: all backends at the same positions"
     points = points_of(replays, lambda one: one.p99_offset_mm if one.is_asked else math.inf, wrong, lambda one: not one.is_asked)
     files = draw_overview(points, folder / "overview", title)
     return all_points + _with_caption(files, title, [offset, f"{captions.MEDIAN}.", OVERVIEW_WORDS, rule(), _left_out(replays, points)], _cases(replays))
