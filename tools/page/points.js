@@ -27,7 +27,7 @@ export function pointsOf(spec, rows, choice) {
       data: [[{ name: exactWords, yAxis: bottom }, { yAxis: low }]],
     };
   }
-  const times = points.map((row) => row[spec.x.column]);
+  const times = points.flatMap((row) => [row[spec.x.column], row.time_ms_low, row.time_ms_high]).filter((time) => time > 0);
   const told = (row) => tellOf(spec, row, exact, exactWords);
   return {
     option: {
@@ -59,8 +59,7 @@ function tellOf(spec, row, exact, exactWords) {
 function frontOf(sorted, heights, spec) {
   const front = sorted.filter((row) => row.on_front).map((row) => [row[spec.x.column], heights.get(row)]);
   if (!front.length) return [];
-  const end = [2 * Math.max(...sorted.map((row) => row[spec.x.column])), front.at(-1)[1]];
-  return [{ type: "line", step: "end", data: [...front, end], silent: true, showSymbol: false, color: ink("quiet"), z: 1,
+  return [{ type: "line", step: "end", data: front, silent: true, showSymbol: false, color: ink("quiet"), z: 1,
     lineStyle: { width: 5, opacity: 0.3 } }];
 }
 

@@ -20,7 +20,7 @@ from musclebench.accuracy import report as accuracy_report
 from musclebench.figures import style
 from musclebench.history.history import Finding, Measure, Night, opened
 from musclebench.page import bundle, helps, of_study, packed, page_file, views
-from musclebench.page.html import page_html
+from musclebench.page.html import page_html, plain_html
 from musclebench.page.page_file import write_page
 from musclebench.page.paper_part import paper_section
 from musclebench.page.parts import Chart, TablePart
@@ -396,3 +396,13 @@ def test_damaged_runs_are_left_out_where_other_results_are_whole(results, tmp_pa
     assert capsys.readouterr().err.count("\n") == 1
     assert report.main([str(tmp_path / "runs"), str(results), "--out", str(tmp_path / "page.html")]) == 0
     assert "left out" in capsys.readouterr().err and "run.json" in (tmp_path / "page.html").read_text()
+
+
+def test_a_reason_stands_under_its_row_as_wide_as_the_table(results):
+    section = sections_of([results])[0]
+    lines = [["sdf 64", "0.2", "the volume is off its target by more than its limit allows"], ["bvh", "0.1", "-"]]
+    section.parts[:] = [TablePart("t", "a table", "words", ["configuration", "ms", "detail"], [False, True, False], [("", lines)], "a\n1\n")]
+    page = plain_html([section], [results], "no npm", {})
+    assert page.count('<tr class="below">') == 1
+    assert '<td colspan="2">detail: the volume is off its target' in page
+    assert "<th scope=\"col\">detail</th>" not in page and '<td class="number">0.1</td></tr>' in page

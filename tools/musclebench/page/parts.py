@@ -59,6 +59,9 @@ class Chart:
                 "hover": self.hover, **self.options}
 
 
+MOST_IN_A_CELL = 40  # characters
+
+
 @dataclass
 class TablePart:
     """A table of results with the rows behind it."""
@@ -71,6 +74,12 @@ class TablePart:
     groups: list[tuple[str, list[list[str]]]]  # (muscle or "", cells of its rows)
     csv: str
     kind_of_part: str = "table"
+
+    @property
+    def below(self) -> set[int]:
+        """Columns with sentences, such as the reason of a status: these stand under their row, as wide as the table."""
+        return {i for _, lines in self.groups for cells in lines for i, cell in enumerate(cells)
+                if not self.is_number[i] and len(cell) > MOST_IN_A_CELL}
 
 
 class Part(Protocol):
