@@ -2,6 +2,7 @@
 
 import base64
 import re
+import shutil
 import sqlite3
 import zlib
 from contextlib import closing
@@ -193,6 +194,11 @@ def test_what_a_study_wrote_is_shown_as_it_is(study, monkeypatch):
     drawn = pd.read_csv(study / "figures" / "pareto_replay.csv", keep_default_na=False, na_values=[""])
     assert list(charts["pareto_replay"].rows["error_mm"]) == list(drawn["error_mm"])
     assert set(section.backends) <= set(drawn["backend"]) and section.muscles
+    assert charts["pareto_replay"].options["exact_words"] == "exact (below 1 nm)"
+    for kind in (".csv", ".md"):
+        shutil.copyfile(study / "figures" / f"pareto_replay{kind}", study / "figures" / f"pareto_pressure{kind}")
+    percent = parts_of(sections_of([study])[0], Chart)["pareto_pressure"]
+    assert percent.options["exact_words"] == "same (below 0.000001 %)"
 
 
 def test_what_failed_is_told_before_anything_else(tmp_path):

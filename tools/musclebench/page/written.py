@@ -73,12 +73,13 @@ def pareto_chart(folder: Path, name: str, error_title: str, exact_mm: float, exa
     for column in ("is_control", "is_wrong", "is_substitute", "on_front"):
         rows[column] = rows[column].astype(int)
     title, *paragraphs = caption_of(folder, name)
+    below = "below 1 nm" if error_title.endswith("(mm)") else f"below {exact_mm:.6f} %"
     return [Chart(name, title, "Left is fast, low is accurate. A point is a setting, a curve goes over a backend's resolutions. The grey line is the "
                   "Pareto front: no other setting is both faster and more accurate. Crosses mark settings whose contacts are wrong."
                   + (HOLLOW if rows["is_substitute"].any() else ""),
                   "points", rows, Axis("time_ms", "collision time a frame (ms)", True), Axis("error_mm", error_title, True),
                   {"structure_mb": "structures (MB)", "frames": "frames", "repetitions": "repetitions"},
-                  {"exact_mm": exact_mm, "exact_words": f"{exact_words} (below 1 nm)"}, more=paragraphs)]
+                  {"exact_mm": exact_mm, "exact_words": f"{exact_words} ({below})"}, more=paragraphs)]
 
 
 def caption_of(folder: Path, name: str) -> list[str]:
