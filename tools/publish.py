@@ -67,7 +67,7 @@ def steps_of(options) -> list[Step]:
 
 
 def _arguments(kind: str, data_set: str, options) -> tuple[str, ...]:
-    quick = {"paper": ("--frames-limit", "20"), "convergence": ("--substeps", "5,10"), "hard": ()}.get(kind, ("--quick",))
+    quick = {"paper": ("--frames-limit", "20"), "budget": ("--frames-limit", "20", "--finest", "2"), "hard": ()}.get(kind, ("--quick",))
     # Once each: the intervals come from blocks of frames and from samples. The dearest choices drive the smaller
     # muscles only. All of it has to fit into two hours.
     own = {"paper": ("--jobs", "1"),
@@ -76,7 +76,7 @@ def _arguments(kind: str, data_set: str, options) -> tuple[str, ...]:
            "hard": ("--breaks-are-results",),
            "accuracy": ("--repetitions", "1", "--longest", "30",
                         *(() if data_set == "lhdl" else ("--muscle", "iliacus")))}.get(kind, ())
-    if kind == "convergence":
+    if kind == "budget":
         names = SMOOTH_SCENES[:1] if options.quick else SMOOTH_SCENES
         own = tuple(word for name in names for word in ("--muscle", name))
     return (*own, *(quick if options.quick else ()))

@@ -74,7 +74,7 @@ def write_paper_run(options, status: str) -> None:
     if options.loop or options.param:
         told = Path(options.out) / "run.json"
         loop = {key: float(value) if key == "start_noise_m" else int(value)
-                for key, value in (word.split("=") for word in options.loop) if key in ("substeps", "rest_frames", "start_noise_m")}
+                for key, value in (word.split("=") for word in options.loop) if key in ("substeps", "iterations", "rest_frames", "start_noise_m")}
         chosen = {"loop": loop, "parameters": dict(word.split("=", 1) for word in options.param)}
         record = json.loads(told.read_text())
         told.write_text(json.dumps(record | {"case": record["case"] | {key: value for key, value in chosen.items() if value}}))

@@ -10,7 +10,7 @@ import pytest
 from copied_tools import PROJECT
 from musclebench.page.bundle import script_file
 
-TOOLS = ("accuracy", "compare", "convergence", "effects", "experiment", "fuzz", "hard", "moment-arms", "mutants", "nightly", "paper",
+TOOLS = ("accuracy", "compare", "budget", "effects", "experiment", "fuzz", "hard", "moment-arms", "mutants", "nightly", "paper",
          "publish", "release", "report", "safe-step", "speed")
 NEEDED_WORDS = {"compare": ("HEAD", "HEAD"), "experiment": ("paper",), "release": ("1.0.0",), "report": (".",), "safe-step": ("hard/step_size",)}
 PACKAGES = {"numpy", "pandas", "scipy", "matplotlib", "vtk", "vtkmodules", "jinja2", "PIL"}
@@ -96,7 +96,7 @@ def test_help_needs_nothing(fresh, name):
     ("accuracy", ("--data", "/nowhere"), "/nowhere: has no lhdl.json"),
     ("accuracy", ("--shard", "3/2"), "'3/2' is not like 2/3"),
     ("accuracy", ("--musclebench", "/nowhere"), "/nowhere: no such program"),
-    ("convergence", ("--substeps", "5,x"), "'5,x' is not like 5,10,20"),
+    ("budget", ("--finest", "x"), "argument --finest: invalid float value: 'x'"),
     ("effects", ("--repetitions", "0"), "--repetitions 0: must be 1 or more"),
     ("paper", ("--scene", "mine.toml"), "--scene mine.toml: no such file"),
     ("paper", ("--out", "tools/setup"), "--out tools/setup: is a file"),
@@ -131,7 +131,7 @@ def test_what_the_disk_tells_is_told_before_the_build(fresh, name, words, told):
 
 @pytest.mark.parametrize(("name", "words", "calls"), [
     *((name, NEEDED_WORDS.get(name, ()), ["setup", RELEASE])
-      for name in ("accuracy", "convergence", "effects", "experiment", "hard", "moment-arms", "nightly", "paper", "safe-step")),
+      for name in ("accuracy", "budget", "effects", "experiment", "hard", "moment-arms", "nightly", "paper", "safe-step")),
     ("speed", (), ["setup", "build bench -DMUSCLEBENCH_WITH_TESTS=OFF"]),
     ("publish", ("--quick",), ["setup", "build bench -DMUSCLEBENCH_WITH_TESTS=OFF"]),
     ("fuzz", ("--seconds", "1"), ["setup clang", "build fuzz"]),

@@ -371,17 +371,17 @@ def test_a_rehearsal_leaves_the_projects_pages_alone(rehearsal, capsys):
 def test_a_publication_is_of_one_commit_and_machine(rehearsal, capsys):
     """What another commit or machine has left is refused with the folder to remove; without it all share a name."""
     run, out = rehearsal
-    folder = fake_runs.write_run(out / "convergence-synthetic" / "raw" / "a", "synthetic/iliacus", "voxel")
+    folder = fake_runs.write_run(out / "budget-synthetic" / "raw" / "a", "synthetic/iliacus", "voxel")
     record = json.loads((folder / "run.json").read_text())
     (folder / "run.json").write_text(json.dumps(record | {"machine": record["machine"] | {"cpu": "Another"}}))
-    assert run("--only", "paper", "--only", "convergence") == 1
+    assert run("--only", "paper", "--only", "budget") == 1
     told = [line for line in capsys.readouterr().err.splitlines() if "another machine" in line]
     assert len(told) == 1 and "(Another, not A processor)" in told[0] and f"remove {folder.parents[1]}" in told[0]
-    assert Measured(out / "measured").source("convergence-synthetic").machine != "Another"
+    assert Measured(out / "measured").source("budget-synthetic").machine != "Another"
     shutil.rmtree(folder.parents[1])
-    run("--only", "paper", "--only", "convergence")
+    run("--only", "paper", "--only", "budget")
     kept = Measured(out / "measured")
-    names = {kept.source(f"{kind}-synthetic").publication for kind in ("paper", "convergence")}
+    names = {kept.source(f"{kind}-synthetic").publication for kind in ("paper", "budget")}
     assert len(names) == 1 and names != {""}
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import accuracy
-import convergence
+import budget
 import fake_registry
 import paper
 import speed
@@ -56,7 +56,7 @@ def test_scenes_are_chosen_by_name_by_file_or_by_muscle(knee):
     assert chosen_names(None, None, "synthetic", REGISTRY, "iliacus") == ["synthetic/iliacus"]
 
 
-@pytest.mark.parametrize("command", [accuracy, convergence, paper, speed])
+@pytest.mark.parametrize("command", [accuracy, budget, paper, speed])
 def test_help_says_which_scenes_are_the_default(command, capsys):
     with pytest.raises(SystemExit):
         command.main(["--help"])

@@ -1,11 +1,11 @@
-"""The figures of tools/speed and tools/convergence, drawn from the published tables: what is held or ok is filled."""
+"""The figures of tools/speed and tools/budget, drawn from the published tables: what is held or ok is filled."""
 
 import pandas as pd
 import pytest
 
 from copied_tools import PROJECT
 from musclebench.figures.collisions import collisions
-from musclebench.figures.convergence import draw_substeps
+from musclebench.figures.budget import draw_substeps
 from musclebench.figures.targets import HELD, draw_targets
 from printed import check_print, keep_figures, texts_of
 
@@ -26,7 +26,7 @@ def drawn(tmp_path, monkeypatch):
     return draw
 
 
-@pytest.mark.parametrize(("function", "table"), [(draw_targets, "speed-lhdl/speed"), (draw_substeps, "convergence-lhdl/substeps")])
+@pytest.mark.parametrize(("function", "table"), [(draw_targets, "speed-lhdl/speed"), (draw_substeps, "budget-lhdl/substeps")])
 def test_it_is_drawn_for_print_and_nothing_covers_anything(drawn, function, table):
     figure, paths = drawn(function, published(table))
     check_print(figure, paths)
@@ -60,4 +60,4 @@ def test_a_run_that_is_not_ok_is_hollow(drawn):
 
 def test_nothing_is_drawn_of_nothing(tmp_path):
     assert draw_targets(published("speed-lhdl/speed").iloc[:0], tmp_path / "a") == []
-    assert draw_substeps(published("convergence-lhdl/substeps").iloc[:0], tmp_path / "b") == []
+    assert draw_substeps(published("budget-lhdl/substeps").iloc[:0], tmp_path / "b") == []

@@ -169,8 +169,8 @@ def run_tool(name: str, scene: Path, out: Path, *arguments: str) -> str:
     return done.stdout
 
 
-def test_convergence_takes_a_scene_of_two_muscles(scene, tmp_path):
-    text = run_tool("convergence", scene, tmp_path / "out", "--substeps", "2,4")
+def test_the_budget_takes_a_scene_of_two_muscles(scene, tmp_path):
+    text = run_tool("budget", scene, tmp_path / "out", "--finest", "2")
     assert "scene" in text and list((tmp_path / "out").glob("**/*.csv"))
 
 

@@ -31,7 +31,8 @@ class Scene:
     nodes: int = REFERENCE_NODES
     triangles: int = REFERENCE_TRIANGLES  # of all bones
     frames: int = 314
-    iterations: int = 3  # collision steps a frame
+    iterations: int = 3  # collision steps a frame: substeps times iterations
+    substeps: int = 3
     full_flexion_frame: int = 157  # the largest angle either way
     half_flexion_frame: int = 79  # nearest to half of that turn
     preset: str = PRESET
@@ -157,7 +158,7 @@ def told(scene: Scene, record: dict) -> Scene:
     return replace(
         scene, nodes=record["muscle"]["vertices"],
         triangles=sum(bone.get("triangles", 0) for bone in bones) or REFERENCE_TRIANGLES, frames=loop["frames"],
-        iterations=loop["substeps"] * loop["iterations"],
+        iterations=loop["substeps"] * loop["iterations"], substeps=loop["substeps"],
         muscles=len(record.get("muscles", [])) or 1, effects=tuple(record["case"].get("effects") or ()),
         full_flexion_frame=full_flexion_frame(motions, moving_frames),
         half_flexion_frame=half_flexion_frame(motions, moving_frames),

@@ -62,10 +62,12 @@ class Expansion:
         if group.effects:
             axes.append([AxisValue("effects", one.name, tuple(one.options(scene.effects)), one)
                          for one in chosen_sets(scene, group, self.registry)])
-        if group.substeps:  # the time of a frame stays the same
+        if counts := group.substeps or multiples(scene.substeps, group.times_substeps):  # the time of a frame stays the same
             axes.append([AxisValue("substeps", str(count), (
                 "--loop", f"substeps={count}", "--loop", f"time_step_s={scene.frame_time_s / count!r}"))
-                for count in group.substeps])
+                for count in counts])
+        if counts := multiples(scene.iterations // scene.substeps, group.times_iterations):
+            axes.append([AxisValue("iterations", str(count), ("--loop", f"iterations={count}")) for count in counts])
         if group.frames:
             axes.append([AxisValue("frames", str(count)) for count in group.frames])
         if group.mode == "kernels":
@@ -75,6 +77,11 @@ class Expansion:
             axes.append([AxisValue("case", case, ("--case", case)) for case in self.scenes.hard_cases(group.hard_cases)])
         axes += [[AxisValue(axis, value, words) for value, words in values] for axis, values in group.vary]
         return list(product(*axes))
+
+
+def multiples(own: int, factors: tuple[float, ...]) -> tuple[int, ...]:
+    """Whole numbers of at least 1, none twice."""
+    return tuple(dict.fromkeys(max(1, round(own * factor)) for factor in factors))
 
 
 def with_builders(cases: list[SweptCase]) -> list[SweptCase]:

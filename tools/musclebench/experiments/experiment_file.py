@@ -46,6 +46,8 @@ class CaseGroup:
     effects: tuple[str, ...] = ()
     adds_effect: str = ""
     substeps: tuple[int, ...] = ()
+    times_substeps: tuple[float, ...] = ()  # the scene's own, times these
+    times_iterations: tuple[float, ...] = ()
     rest_s: float = 0.0
     vary: tuple[tuple[str, tuple[tuple[str, tuple[str, ...]], ...]], ...] = ()
     options: tuple[str, ...] = ()
@@ -65,7 +67,9 @@ class CaseGroup:
     @property
     def axes(self) -> list[str]:
         """Names of what its points differ in beside scene, configuration and repetition."""
-        own = [name for name in ("effects", "substeps", "frames") if getattr(self, name)]
+        told = {"effects": self.effects, "substeps": self.substeps or self.times_substeps, "frames": self.frames,
+                "iterations": self.times_iterations}
+        own = [name for name, values in told.items() if values]
         return own + (["case"] if self.mode == "hard" else []) + [key for key, _ in self.vary]
 
     def is_single(self, axis: str) -> bool:
@@ -297,7 +301,8 @@ GROUP_KEYS: dict[str, tuple[bool, Callable]] = {
     "judged": (False, _choice("always", "first", "never")), "snapshots": (False, _list(_choice(*MOMENTS))),
     "frames": (False, _list(_number(int, 1))),
     "counted_frames": (False, _number(int, 1)), "effects": (False, _list(_choice(*EFFECT_SETS))),
-    "adds_effect": (False, _text), "substeps": (False, _list(_number(int, 1))), "rest_s": (False, _number(float, 0)),
+    "adds_effect": (False, _text), "substeps": (False, _list(_number(int, 1))),
+    "times_substeps": (False, _list(_number(float, 0.001))), "times_iterations": (False, _list(_number(float, 0.001))), "rest_s": (False, _number(float, 0)),
     "vary": (False, _table(_table(_words_or_none))), "options": (False, _list(_text)), "stride": (False, _stride),
     "band_mm": (False, _number(float, 0.001)), "points": (False, _number(int, 1)), "replay_s": (False, _number(float, 0.001)),
     "longest_s": (False, _number(float, 0.001)), "hard_cases": (False, _list(_text)),

@@ -118,8 +118,9 @@ class SweptCase(SceneCase):
 
     @property
     def steps(self) -> int:
-        substeps = next((int(one.value) for one in self.point if one.axis == "substeps"), None)
-        return self.frames * (self.scene.iterations if substeps is None else substeps)
+        asked = {one.axis: int(one.value) for one in self.point if one.axis in ("substeps", "iterations")}
+        iterations = asked.get("iterations", self.scene.iterations // self.scene.substeps)
+        return self.frames * asked.get("substeps", self.scene.substeps) * iterations
 
     @property
     def snapshot_frames(self) -> list[int]:

@@ -1,5 +1,4 @@
-"""Figures of convergence: error against cell size by bone and region; build time and bytes against cells; shape against
-substeps."""
+"""Figures of convergence: error against cell size by bone and region; build time and bytes against cells."""
 
 import math
 from pathlib import Path
@@ -124,28 +123,6 @@ def draw_costs(rows: pd.DataFrame, stem: Path) -> list[Path]:
     figure.suptitle("What resolution costs before the first frame", x=0.01, ha="left")
     figure.tight_layout(rect=(0, 0, 1, 0.98), w_pad=1.5)
     return _save(figure, rows, stem)
-
-
-def draw_substeps(rows: pd.DataFrame, stem: Path) -> list[Path]:
-    """How far the shape at full flexion is from that of the most substeps; hollow where the run was not ok."""
-    shown = rows[rows["rms_mm"] > 0]
-    if shown.empty:
-        return []
-    style.apply_style()
-    figure, axes = plt.subplots(figsize=(style.COLUMN_INCHES, 2.6))
-    for (scene, curve), shape in zip(shown.groupby("scene", sort=False), "osD^v<>PX"):
-        name = style.muscle_label(str(scene).rpartition("/")[2])
-        line, = axes.plot(curve["substeps"], curve["rms_mm"], shape, linestyle="-", linewidth=1, markersize=4, label=name)
-        not_ok = curve[~curve["status"].astype(str).str.startswith("ok")]
-        axes.plot(not_ok["substeps"], not_ok["rms_mm"], shape, color=line.get_color(), markersize=4, markerfacecolor="white")
-    axes.set(xscale="log", yscale="log", xlabel="substeps a frame", ylabel="distance from finest shape, RMS (mm)")
-    axes.set_xticks(sorted(shown["substeps"].unique()))
-    for one in (axes.xaxis, axes.yaxis):
-        one.set_major_formatter(PLAIN)
-        one.set_minor_formatter(NullFormatter())
-    axes.legend(loc="lower left", frameon=False)
-    figure.tight_layout()
-    return style.save_figure(figure, stem)
 
 
 def _curves(rows: pd.DataFrame) -> list[tuple[str, str]]:

@@ -8,7 +8,7 @@ from functools import partial
 
 import pandas as pd
 
-from ..convergence import convergence_report
+from ..budget import budget_report, substeps_table
 from ..effects import effect_tables, guards, returns
 from ..hard import hard_tables
 from ..program.cli import Problem
@@ -46,6 +46,8 @@ RETURN_KEYS = ("muscle", "status", "added", "rms_mm", "surface_depth_mm", "tunne
 GUARD_KEYS = ("muscle", "frames", "step_deg", "without", "angle", "angle_recall", "crossing", "crossing_recall")
 SUBSTEP_KEYS = ("scene", "backend", "substeps", "status", "rms_mm", "p99_mm", "largest_mm", "volume_error_percent",
                 "largest_depth_mm")
+BUDGET_KEYS = ("scene", "source", "setting", "shape_mm", "arm_mm", "volume_percent", "surface_mm", "torque_percent", "pressure_percent",
+               "order", "left_mm", "halved_by", "times")
 EFFECT_COST_KEYS = ("muscle", "effect", "own_ms", "share_percent", "added_ms", "saved_ms")
 EFFECT_CHANGE_KEYS = ("muscle", "set", "status", "frame_ms", "node_depth_mm", "surface_depth_mm", "volume_percent", "folded",
                       "folded_at_rest", "tunnelled", "stretch", "shape_mm", "arm_mm")
@@ -178,5 +180,6 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "not_held": _not_held,
     "hard_unasked": _hard("cells", hard_tables.unasked),
     "hard_cases": _hard("cases", hard_tables.texts),
-    "substeps": _from("substeps", convergence_report.COLUMNS, SUBSTEP_KEYS),
+    "substeps": _from("substeps", substeps_table.COLUMNS, SUBSTEP_KEYS),
+    "budget": _from("budget", budget_report.COLUMNS, BUDGET_KEYS),
 }

@@ -1,6 +1,6 @@
 """Sentences that hold only while the tables say so. The claim stands before its sentence:
 
-    <!-- claim: convergence-lhdl/substeps[scene=lhdl/iliacus].rms_mm falls --> The shape converges.
+    <!-- claim: budget-lhdl/substeps[scene=lhdl/iliacus].rms_mm falls --> The shape converges.
     <!-- claim: accuracy-lhdl/price_list[target_mm=0.1].ratio < 1 --> It costs less than voxels.
 
 A study that is not in reports/measured is a mistake. Relations over all chosen rows, in the order of the table: `falls`,

@@ -3,7 +3,7 @@
     <!-- generated: times paper-lhdl muscle=iliacus -->  a table and where it comes from       <!-- end -->
     <!-- value: paper-lhdl/table_2_times[muscle=iliacus].ratio max .0f -->  a number in a sentence  <!-- end -->
     <!-- picture: paper-synthetic fig_6_iliacus -->  a picture of a study, copied to reports/gallery  <!-- end -->
-    <!-- claim: convergence-lhdl/substeps[scene=a].rms_mm falls -->  the sentence after it holds only while the table says so
+    <!-- claim: budget-lhdl/substeps[scene=a].rms_mm falls -->  the sentence after it holds only while the table says so
 
 Of a study that was not measured yet they say so; the link of a picture is kept as a comment until then.
 """

@@ -1,6 +1,7 @@
 """Medians and ratios of frame times with an interval that says how well the runs determine them."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -68,7 +69,7 @@ def quotient(above: Estimate, below: Estimate) -> Estimate:
     return _combined(above.value / below.value, above.draws / below.draws, [above, below])
 
 
-def percentile(values, percents):
+def percentile(values: Any, percents: Any) -> Any:
     """By the nearest rank, as the program takes them: always one of the values."""
     return np.percentile(values, percents, method="inverted_cdf")
 
