@@ -47,8 +47,8 @@ def test_complete_runs_are_kept_and_the_table_has_a_row_a_source(study, tmp_path
     assert code == 0, errors
     assert called == ALL
     rows = pd.read_csv(tmp_path / "out" / "tables" / "budget.csv")
-    assert list(rows["source"]) == ["time step", "iterations", "collision, sdf", "rounding"]
-    assert list(rows["setting"])[:2] == ["3 substeps", "1 iterations"]
+    assert list(rows["source"]) == ["time step", "iterations", "collision, distance field (sdf)", "rounding"]
+    assert list(rows["setting"])[:2] == ["3 substeps", "1 iteration"]
     assert "synthetic/iliacus: no source moves the shape by more than rounding does" in text
     assert study()[3] == []
     assert study("--finest", "4")[3] == ["iliacus-iterations=4", "iliacus-substeps=12"]
@@ -155,6 +155,13 @@ def test_halving_counts_what_the_finest_is_off_itself(tmp_path):
 def test_no_order_is_told_where_none_is_seen(tmp_path):
     source = refined(tmp_path, [8.0, 3.0, 2.9, 1.0])
     assert np.isnan(source.order()) and source.left_mm() == pytest.approx(1.9)
+    assert source.halving().words == "2 parts"
+
+
+def test_the_finest_halves_only_where_an_order_tells_its_error(tmp_path):
+    assert refined(tmp_path / "two", [8.0, 0.0]).halving() is None
+    assert refined(tmp_path / "seen", [8.0, 4.0, 2.0, 1.0]).halving() is not None
+    assert refined(tmp_path / "slow", [8.0, 7.0, 5.9, 3.0]).halving() is None
 
 
 def test_what_did_not_reach_full_flexion_halves_nothing(tmp_path):
@@ -195,4 +202,4 @@ def test_the_control_is_no_source(tmp_path):
     runs = {case: moved(tmp_path / case.name, 1.0, backend=case.configuration.backend)
             for case in swept("budget", fake_registry.scene("lhdl/iliacus"))}
     names = [source.name for source in budget_report.budget_of(runs).sources]
-    assert "time_step" in names and "collision, sdf" in names and not any("null" in name or "bvh" in name for name in names)
+    assert "time_step" in names and "collision, distance field (sdf)" in names and not any("null" in name or "bvh" in name for name in names)

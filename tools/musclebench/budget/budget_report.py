@@ -37,7 +37,7 @@ CAPTION = (
     "Rounding: the largest difference of three starts that are off by 1e-12 m; a source below it tells nothing. Order p: the shape's "
     "error falls as 1 / refinement^p; empty where the last steps don't agree on one. Reference off by: how far the finest shape is "
     "itself from the limit, by Richardson's rule where there is an order, else its last step. Halved by: the first finer setting with "
-    "at most half of the shape's error, and its time. Times are medians of runs side by side, with forces told."
+    "at most half of the shape's error, and its time; the finest itself only where there is an order. Times are medians of runs side by side, with forces told."
 )
 SETTINGS_CAPTION = "All runs of the budget: what each setting moves, from the finest of its source or from the exact run, and its time."
 
@@ -73,7 +73,8 @@ def budget_of(runs: dict[SweptCase, Run]) -> Budget | None:
         _refined("iterations", "iterations", scene.iterations // scene.substeps, runs, exact)) if source]
     for case, run in runs.items():
         if case.group.name == "collision" and run.backend != exact.backend and not looks.backend(run.backend).is_control:
-            setting = Setting(case.configuration.label.replace("-", " ", 1), 1.0, run)
+            plain = case.configuration.label == run.backend
+            setting = Setting(looks.title_and_name(run.backend) if plain else case.configuration.label.replace("-", " ", 1), 1.0, run)
             sources.append(Source(f"collision, {setting.words}", [setting], setting, exact))
     starts = [differences(run, exact) for case, run in runs.items() if case.group.name == "rounding"]
     floor = {name: max(start[name] for start in starts if name in start) for name in FIGURES if any(name in start for start in starts)}
@@ -82,7 +83,7 @@ def budget_of(runs: dict[SweptCase, Run]) -> Budget | None:
 
 def _refined(group: str, axis: str, own: int, runs: dict[SweptCase, Run], exact: Run) -> Source | None:
     counts = {_count(case, axis): run for case, run in runs.items() if case.group.name == group} | {own: exact}
-    settings = [Setting(f"{count} {axis}", count / own, counts[count]) for count in sorted(counts)]
+    settings = [Setting(f"{count} {axis if count > 1 else axis[:-1]}", count / own, counts[count]) for count in sorted(counts)]
     usable = [one for one in settings if one.run.status in ("ok", "suspect") or one.factor < 1]
     mine = next(one for one in settings if one.run is exact)
     return Source(group, usable, mine, usable[-1].run) if usable[-1].factor > 1 else None

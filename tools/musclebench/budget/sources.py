@@ -59,9 +59,10 @@ class Source:
         return last if math.isnan(order) else last / (2**order - 1)
 
     def halving(self) -> Setting | None:
-        """The first finer setting whose shape has at most half of the error; None where none was run."""
+        """The first finer setting whose shape has at most half of the error; None where none was run. The finest itself counts
+        only where an order tells its error."""
         own, left = self.errors().get("shape_mm", math.nan), self.left_mm()
-        finer = [one for one in self.settings if one.factor > self.own.factor]
+        finer = [one for one in self.settings if one.factor > self.own.factor and (one.run is not self.finest or not math.isnan(self.order()))]
         return next((one for one in finer if differences(one.run, self.finest).get("shape_mm", math.inf) + left <= ROUNDED * (own + left) / 2), None)
 
     @property

@@ -44,7 +44,8 @@ def _draw_bars(axes: Axes, part: pd.DataFrame) -> None:
     axes.set(xscale="log", ylim=(len(part) - 0.4, -0.6))
     axes.barh(range(len(part)), part["shape_mm"], color=colours, height=0.75)
     for line, value in enumerate(part["shape_mm"]):
-        axes.text(value * 1.08, line, f"{value:.2g}", va="center", fontsize=style.SMALLEST_POINTS)
+        axes.text(value * 1.08, line, f"{value:.2g}", va="center", fontsize=style.SMALLEST_POINTS,
+                  bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6})
     if floor:
         axes.axvline(floor, color=style.NOTE_COLOUR, linewidth=0.8, linestyle="--", zorder=0)
     axes.set_yticks(range(len(part)), [source if setting in source else f"{source}: {setting}"
