@@ -12,29 +12,35 @@ from musclebench.experiments.selection import check_backend
 from musclebench.figures import looks
 from musclebench.options.budget import parse_arguments
 from musclebench.options.shared import check_options
-from musclebench.program.cli import run_command
+from musclebench.program.cli import Problem, run_command
 from musclebench.program.registry import Registry, read_registry
 from musclebench.results.run_folder import ResultProblem
 from musclebench.tables.table_formats import as_text
 
 
 def asked(file: ExperimentFile, options, registry: Registry) -> ExperimentFile:
-    """With the factors up to --finest, and the backends of --backend."""
+    """With factors that double up to --finest, and the backends of --backend."""
     groups = []
     for group in file.groups:
-        changes = {key: tuple(factor for factor in getattr(group, key) if factor <= options.finest)
-                   for key in ("times_substeps", "times_iterations") if getattr(group, key)}
+        changes = {key: doubled(getattr(group, key), options.finest) for key in ("times_substeps", "times_iterations") if getattr(group, key)}
         if group.name == "collision" and options.backend:
             changes["backends"] = tuple(check_backend(name, registry) for name in options.backend)
-        if all(changes.get(key, True) for key in ("times_substeps", "times_iterations")):
-            groups.append(replace(group, **changes))
+        groups.append(replace(group, **changes))
     return replace(file, groups=tuple(groups))
+
+
+def doubled(factors: tuple[float, ...], finest: int) -> tuple[float, ...]:
+    """Those below 2, and then 2, 4, ... as long as they are no more than `finest`."""
+    more = [float(2**power) for power in range(1, finest.bit_length()) if 2**power <= finest]
+    return (*(factor for factor in factors if factor < 2), *more)
 
 
 def run_and_report(arguments) -> int:
     file = of_project("budget")
     options = parse_arguments(arguments, file)
     check_options(options, "budget")
+    if options.finest < 2:
+        raise Problem(f"--finest {options.finest}: nothing is refined; it must be 2 or more")
     folders, registry = folders_of(options, "budget"), read_registry(options.musclebench)
     looks.know(registry)
     sweep = sweep_of(asked(file, options, registry), options, registry, folders)

@@ -49,7 +49,7 @@ def test_complete_runs_are_kept_and_the_table_has_a_row_a_source(study, tmp_path
     rows = pd.read_csv(tmp_path / "out" / "tables" / "budget.csv")
     assert list(rows["source"]) == ["time step", "iterations", "collision, distance field (sdf)", "rounding"]
     assert list(rows["setting"])[:2] == ["3 substeps", "1 iteration"]
-    assert "synthetic/iliacus: no source moves the shape by more than rounding does" in text
+    assert "synthetic/iliacus: no source moves the shape by more than rounding" in text
     assert study()[3] == []
     assert study("--finest", "4")[3] == ["iliacus-iterations=4", "iliacus-substeps=12"]
 
@@ -60,7 +60,7 @@ def test_a_scene_of_several_muscles_takes_part(study):
 
 
 @pytest.mark.parametrize("arguments, words", [
-    (["--finest", "many"], "invalid float value"), (["--backend", "box2d"], "--backend box2d: not built"),
+    (["--finest", "many"], "invalid int value"), (["--finest", "1"], "--finest 1: nothing is refined"), (["--backend", "box2d"], "--backend box2d: not built"),
     (["--muscle", "biceps"], "'biceps'"), (["--jobs", "0"], "--jobs 0"),
 ])
 def test_bad_input_is_one_line(study, arguments, words):
@@ -123,26 +123,26 @@ TRIANGLES = np.array([[0, 1, 2], [1, 3, 2]])
 def moved(folder: Path, off_mm: float, frame_ns: float = 1e6, backend: str = "bvh", status: str = "ok"):
     """A run whose shape at full flexion is off by so much, at each node; its frames take so long."""
     vertices_m = np.array([[0, 0, 1e-3 * off_mm], [1, 0, 1e-3 * off_mm], [0, 1, 1e-3 * off_mm], [1, 1, 1e-3 * off_mm]])
-    shots = [] if status == "diverged" else [fake_runs.Snapshot(10, 90.0, vertices_m, np.zeros(4), np.zeros(4))]
+    shots = [fake_runs.Snapshot(10, 90.0, vertices_m, np.zeros(4), np.zeros(4))]
     run = read_run(fake_runs.write_run(folder, "lhdl/iliacus", backend, status=status, triangles=TRIANGLES, snapshots=shots))
     run.frames["frame_ns"] = frame_ns
     return run
 
 
-def refined(folder: Path, offs_mm: list[float], statuses: dict[int, str] | None = None) -> Source:
+def refined(folder: Path, offs_mm: list[float]) -> Source:
     """Settings x1, x2, x4, ...; each takes twice the time of the one before."""
-    settings = [Setting(f"{2**i} parts", 2.0**i, moved(folder / f"{i}", off, 1e6 * 2**i, status=(statuses or {}).get(i, "ok")))
-                for i, off in enumerate(offs_mm)]
-    return Source("time_step", settings, settings[0], settings[-1].run)
+    settings = [Setting(f"{2**i} parts", 2.0**i, moved(folder / f"{i}", off, 1e6 * 2**i)) for i, off in enumerate(offs_mm)]
+    return Source("time step", settings, settings[0], settings[-1])
 
 
 def test_order_and_limit_are_those_of_a_known_series(tmp_path):
     """Shapes 8 / n^2 mm from the limit."""
     source = refined(tmp_path, [8.0, 2.0, 0.5, 0.125])
     assert source.errors()["shape_mm"] == pytest.approx(7.875)
-    assert source.order() == pytest.approx(2.0)
-    assert source.left_mm() == pytest.approx(0.125)
+    assert source.order() == pytest.approx(2.0) and source.has_settled()
+    assert source.left_mm() == pytest.approx(0.125) and source.most_mm() == pytest.approx(8.0)
     assert source.halving().words == "2 parts"
+    assert source.halving(floor_mm=9.0) is None, "an error below the floor tells nothing"
 
 
 def test_halving_counts_what_the_finest_is_off_itself(tmp_path):
@@ -152,54 +152,126 @@ def test_halving_counts_what_the_finest_is_off_itself(tmp_path):
     assert source.halving().words == "2 parts"
 
 
+@pytest.mark.parametrize(("offs_mm", "has_settled", "halved_by"), [
+    ([10.0, 8.71, 7.58, 6.60], False, None), ([0.0, 3.0, 0.0, 3.0], False, None), ([1.0, 1.0, 1.0, 1.0], True, None),
+    ([8.0, 3.0, 2.9, 2.85], True, "2 parts"), ([8.0, 0.0], False, None), ([8.0, 7.0, 5.9, 3.0], False, None)])
+def test_nothing_is_said_to_halve_what_has_not_settled(tmp_path, offs_mm, has_settled, halved_by):
+    source = refined(tmp_path, offs_mm)
+    assert source.has_settled() == has_settled
+    better = source.halving()
+    assert (better.words if better else None) == halved_by
+
+
 def test_no_order_is_told_where_none_is_seen(tmp_path):
     source = refined(tmp_path, [8.0, 3.0, 2.9, 1.0])
     assert np.isnan(source.order()) and source.left_mm() == pytest.approx(1.9)
-    assert source.halving().words == "2 parts"
 
 
-def test_the_finest_halves_only_where_an_order_tells_its_error(tmp_path):
-    assert refined(tmp_path / "two", [8.0, 0.0]).halving() is None
-    assert refined(tmp_path / "seen", [8.0, 4.0, 2.0, 1.0]).halving() is not None
-    assert refined(tmp_path / "slow", [8.0, 7.0, 5.9, 3.0]).halving() is None
-
-
-def test_what_did_not_reach_full_flexion_halves_nothing(tmp_path):
-    source = refined(tmp_path, [8.0, 2.0, 0.5, 0.125], {1: "diverged"})
-    assert source.halving().words == "4 parts"
-
-
-def test_the_sentence_names_the_largest_source_and_its_price(tmp_path):
+def budget_with(tmp_path, **more) -> Budget:
     steps = refined(tmp_path / "steps", [3.2, 1.6, 0.8, 0.4])
-    exact, field = steps.own.run, moved(tmp_path / "sdf", 3.29, backend="sdf")
-    collision = Setting("sdf", 1.0, field)
-    found = Budget("lhdl/iliacus", "iliacus", [steps, Source("collision, sdf", [collision], collision, exact)], {"shape_mm": 0.01})
-    text = sources.in_words(found, {"time_step": "time step", "collision, sdf": "collision, sdf"})
-    assert text == ("lhdl/iliacus: most of the shape's error comes from the time step: 2.8 mm with 1 parts (collision, sdf 0.09 mm; "
-                    "rounding 0.01 mm). 2 parts halve it for 2 times the time.")
-    quiet = Budget("lhdl/iliacus", "iliacus", found.sources, {"shape_mm": 5.0})
-    assert "no source moves the shape by more than rounding" in sources.in_words(quiet, {})
+    field = Setting("sdf", 1.0, moved(tmp_path / "sdf", 3.29, backend="sdf"))
+    bad = Setting("voxel", 1.0, moved(tmp_path / "voxel", 50.0, backend="voxel", status="diverged"))
+    found = [steps, *(Source(f"collision, {one.words}", [one], one, steps.own) for one in (field, bad))]
+    return Budget(**({"scene": "lhdl/iliacus", "muscle": "iliacus", "own": steps.own.run, "sources": found, "floors": [{"shape_mm": 0.01}]} | more))
+
+
+def test_the_sentence_names_the_largest_source_what_ended_badly_and_the_price(tmp_path):
+    found = budget_with(tmp_path)
+    assert sources.in_words(found) == (
+        "lhdl/iliacus: most of the shape's error comes from the time step: 2.8 to 3.2 mm with 1 parts (collision, sdf 0.09 mm; "
+        "rounding 0.01 mm). Not judged: voxel: diverged. 2 parts halve it for 2 times the time.")
+    quiet = budget_with(tmp_path / "quiet", floors=[{"shape_mm": 5.0}])
+    assert "no source moves the shape by more than rounding 5 mm" in sources.in_words(quiet)
+    unknown = budget_with(tmp_path / "unknown", floors=[])
+    assert "rounding not known" in sources.in_words(unknown)
+
+
+def test_a_source_is_ranked_with_what_its_finest_is_off(tmp_path):
+    """Two settings only: the finest may be as far from the limit as its last step was long."""
+    steps = refined(tmp_path / "steps", [8.0, 4.0])
+    field = Setting("sdf", 1.0, moved(tmp_path / "sdf", 13.0, backend="sdf"))
+    found = Budget("a", "m", steps.own.run, [Source("collision, sdf", [field], field, steps.own), steps], [])
+    text = sources.in_words(found)
+    assert text.startswith("a: most of the shape's error comes from the time step: 4 to 8 mm")
+    assert text.endswith("Refining it has not settled: what halves it is not known.")
+
+
+def test_rows_leave_out_what_ended_badly_and_times_are_over_the_exact_run(tmp_path):
+    found = budget_with(tmp_path)
+    rows = pd.DataFrame(budget_report._rows(found)).set_index("source")
+    assert rows.loc["collision, voxel", "status"] == "diverged" and np.isnan(rows.loc["collision, voxel", "shape_mm"])
+    assert rows.loc["time step", "reference"] == "8 parts" and rows.loc["time step", "price"] == pytest.approx(2.0)
+    assert rows.loc["rounding", "setting"] == "1 starts" and rows.loc["rounding", "shape_mm"] == 0.01
+    settings = pd.DataFrame(budget_report._setting_rows(found))
+    assert list(settings["times"]) == pytest.approx([1, 2, 4, 8, 1, 1])
+    assert settings["shape_mm"].isna().tolist() == [False, False, False, True, False, True]
+
+
+def runs_of(tmp_path, scene, status):
+    """The cases of the experiment without a program; `status` of a case's name."""
+    looks.know(fake_registry.registry())
+    return {case: moved(tmp_path / case.name, 1.0, backend=case.configuration.backend, status=status(case.name))
+            for case in swept("budget", scene)}
+
+
+def test_the_control_and_the_exact_are_no_sources(tmp_path):
+    found = budget_report.budget_of(runs_of(tmp_path, fake_registry.scene("lhdl/iliacus"), lambda name: "ok"))
+    names = [source.name for source in found.sources]
+    assert names[:2] == ["time step", "iterations"] and "collision, distance field (sdf)" in names
+    assert not any("null" in name or "bvh" in name for name in names) and len(found.floors) == 3
+
+
+@pytest.mark.parametrize(("bad", "told"), [
+    ("substeps=3", "no budget: the exact run of the scene's own setting ended with the status diverged"),
+    ("substeps=", "no budget"), ("iterations", ("time step",)), ("start", "rounding not known"),
+    ("substeps=6 substeps=12 substeps=24", ("iterations",))])
+def test_a_budget_is_told_of_what_ended_well(tmp_path, bad, told):
+    runs = runs_of(tmp_path, fake_registry.scene("lhdl/iliacus"),
+                   lambda name: "diverged" if any(name.endswith(word) or (word in name and word[-1] in "=st") for word in bad.split()) else "ok")
+    found = budget_report.budget_of(runs)
+    if isinstance(found, str):
+        assert told in found
+    elif isinstance(told, str):
+        assert found.floors == [] and told in sources.in_words(found)
+    else:
+        refined_names = [source.name for source in found.sources if source.is_refined]
+        assert refined_names == list(told)
+
+
+def test_figures_of_two_runs_differ_by_what_they_differ_in(tmp_path):
+    ours, theirs = moved(tmp_path / "a", 3.0), moved(tmp_path / "b", 1.0)
+    theirs.record["muscle"] = {"rest_volume_m3": 2e-4}
+    for run, volume_m3, depth_m in ((ours, 2.02e-4, 0.004), (theirs, 2e-4, 0.001)):
+        run.frames["volume_m3"] = [2e-4] * (len(run.frames) - 1) + [volume_m3]
+        run.frames["surface_depth_m"] = [0.0] * (len(run.frames) - 1) + [depth_m]
+        angles = np.linspace(0, 90, 10)
+        run.fibres = pd.DataFrame({"muscle": "iliacus", "frame": range(10), "angle_deg": angles, "mean_length_m": 0.1, "mean_moment_arm_m": 10 * depth_m})
+        run.forces = pd.DataFrame({"source": ["joint", "bone"], "frame": 1, "other": "femur", "muscle": "iliacus", "torque_n_m": [depth_m, np.nan],
+                                   "force_x_n": 1.0, "force_y_n": 0.0, "force_z_n": 0.0, "peak_pressure_pa": [np.nan, 1e6 * depth_m]})
+    found = sources.differences(ours, theirs)
+    assert found == pytest.approx({"shape_mm": 2.0, "arm_mm": 30.0, "volume_percent": 1.0, "surface_mm": 3.0, "torque_percent": 300.0,
+                                   "pressure_percent": 300.0})
+
+
+def test_multiples_double_up_to_the_finest():
+    assert budget.doubled((0.5, 1.0, 2.0, 4.0, 8.0), 8) == (0.5, 1.0, 2.0, 4.0, 8.0)
+    assert budget.doubled((0.5, 1.0, 2.0, 4.0), 20) == (0.5, 1.0, 2.0, 4.0, 8.0, 16.0)
+    assert budget.doubled((2.0, 4.0), 3) == (2.0,)
 
 
 def test_bars_show_the_floor_and_what_is_below_it(tmp_path, monkeypatch):
     rows = pd.DataFrame({"scene": ["a"] * 3 + ["b"] * 2, "source": ["time step", "iterations", "rounding", "collision, sdf", "rounding"],
-                         "setting": ["20 substeps", "1 iterations", "3 starts", "sdf", "3 starts"], "shape_mm": [3.2, 0.004, 0.02, 0.5, 0.1]})
+                         "setting": ["20 substeps", "1 iteration", "3 starts", "sdf", "3 starts"], "shape_mm": [3.2, 0.004, 0.02, 0.5, 0.1],
+                         "left_mm": [1.0, np.nan, np.nan, np.nan, np.nan], "status": ["ok", "ok", np.nan, "suspect", np.nan]})
     kept: dict = {}
     keep_figures(monkeypatch, kept)
     draw_budget(rows, tmp_path / "budget")
     figure, paths = kept["budget"]
     check_print(figure, paths)
     assert collisions(figure) == []
-    first = figure.axes[0]
-    assert [text.get_text() for text in first.get_yticklabels()] == ["time step: 20 substeps", "rounding: 3 starts", "iterations: 1 iterations"]
+    first, second = figure.axes
+    assert [text.get_text() for text in first.get_yticklabels()] == ["time step: 20 substeps", "rounding: 3 starts", "iterations: 1 iteration"]
+    assert [text.get_text() for text in second.get_yticklabels()] == ["collision, sdf (suspect)", "rounding: 3 starts"]
     assert [bar.get_width() for bar in first.containers[0]] == [3.2, 0.02, 0.004]
     assert len({bar.get_facecolor() for bar in first.containers[0]}) == 2
     assert draw_budget(rows.iloc[:0], tmp_path / "none") == []
-
-
-def test_the_control_is_no_source(tmp_path):
-    looks.know(fake_registry.registry())
-    runs = {case: moved(tmp_path / case.name, 1.0, backend=case.configuration.backend)
-            for case in swept("budget", fake_registry.scene("lhdl/iliacus"))}
-    names = [source.name for source in budget_report.budget_of(runs).sources]
-    assert "time_step" in names and "collision, distance field (sdf)" in names and not any("null" in name or "bvh" in name for name in names)

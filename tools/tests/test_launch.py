@@ -96,7 +96,7 @@ def test_help_needs_nothing(fresh, name):
     ("accuracy", ("--data", "/nowhere"), "/nowhere: has no lhdl.json"),
     ("accuracy", ("--shard", "3/2"), "'3/2' is not like 2/3"),
     ("accuracy", ("--musclebench", "/nowhere"), "/nowhere: no such program"),
-    ("budget", ("--finest", "x"), "argument --finest: invalid float value: 'x'"),
+    ("budget", ("--finest", "x"), "argument --finest: invalid int value: 'x'"),
     ("effects", ("--repetitions", "0"), "--repetitions 0: must be 1 or more"),
     ("paper", ("--scene", "mine.toml"), "--scene mine.toml: no such file"),
     ("paper", ("--out", "tools/setup"), "--out tools/setup: is a file"),

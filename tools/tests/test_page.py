@@ -412,3 +412,5 @@ def test_a_reason_stands_under_its_row_as_wide_as_the_table(results):
     assert page.count('<tr class="below">') == 1
     assert '<td colspan="2">detail: the volume is off its target' in page
     assert "<th scope=\"col\">detail</th>" not in page and '<td class="number">0.1</td></tr>' in page
+    lines += [["sdf 32", "0.1", "short"], ["sdf 16", "0.1", "short"]]
+    assert '<tr class="below">' not in plain_html([section], [results], "no npm", {}), "one long cell wraps among short ones"

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import accuracy
-import budget
+import hard
 import effects
 import experiment
 import paper
@@ -69,7 +69,7 @@ def test_answers_need_no_release_build(tmp_path):
     program = str(build_of(tmp_path, "Debug", TESTS / "fake_musclebench.py"))
     assert experiment.main([str(tmp_path / "asked.toml"), "--musclebench", program, "--out", str(tmp_path / "out")]) == 0
     with pytest.raises(Problem, match="unrecognized arguments: --any-build"):
-        budget.parse_arguments(["--any-build"], experiment.read_experiment(tmp_path / "asked.toml"))
+        hard.parse_arguments(["--any-build"], experiment.read_experiment(tmp_path / "asked.toml"))
 
 
 def test_a_program_that_does_not_tell_passes(tmp_path):

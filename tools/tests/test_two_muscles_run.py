@@ -171,7 +171,9 @@ def run_tool(name: str, scene: Path, out: Path, *arguments: str) -> str:
 
 def test_the_budget_takes_a_scene_of_two_muscles(scene, tmp_path):
     text = run_tool("budget", scene, tmp_path / "out", "--finest", "2")
-    assert "scene" in text and list((tmp_path / "out").glob("**/*.csv"))
+    rows = pd.read_csv(tmp_path / "out" / "tables" / "budget.csv")
+    assert set(rows["scene"]) == {scene.stem} and {"time step", "iterations", "rounding"} <= set(rows["source"])
+    assert f"{scene.stem}: " in text and rows.set_index("source").loc["time step", "shape_mm"] >= 0
 
 
 def test_paper_takes_a_scene_of_two_muscles(scene, tmp_path):

@@ -1,7 +1,8 @@
 """How far a run's figures move when one source of its error is refined and all others stay."""
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -10,14 +11,16 @@ from ..results.arms import arm_differences
 from ..results.force_differences import force_differences
 from ..results.ply import read_ply
 from ..results.run_folder import Run
+from ..results.status import MEASURED
 
 FIGURES = ("shape_mm", "arm_mm", "volume_percent", "surface_mm", "torque_percent", "pressure_percent")
 SAME_ORDER = 0.5  # two orders that were seen differ by no more where refining has settled
 LEAST_ORDER = 0.5
+SETTLING = math.sqrt(2)  # a step is at least so many times shorter than the one before where it has settled without an order
 ROUNDED = 1 + 1e-6  # a half that is one but for rounding
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Setting:
     """One run of a source: how it is set, and that over the scene's own setting."""
 
@@ -25,51 +28,67 @@ class Setting:
     factor: float
     run: Run
 
+    @property
+    def is_usable(self) -> bool:
+        """Went over the whole motion."""
+        return self.run.status in MEASURED
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, eq=False)
 class Source:
-    """Of one kind of error. `finest` is what the others are compared with: the last setting, or the exact run."""
+    """Of one kind of error. `reference` is what the others are compared with: the finest setting, or the exact run."""
 
     name: str
-    settings: list[Setting]  # coarse to fine
+    settings: list[Setting]  # usable ones, coarse to fine, each from `own` on with twice the factor of the one before
     own: Setting  # that of the scene
-    finest: Run
+    reference: Setting
 
     @property
     def is_refined(self) -> bool:
-        return self.settings[-1].run is self.finest and len(self.settings) > 1
+        return self.reference in self.settings and self.reference is not self.own
 
     def errors(self) -> dict[str, float]:
-        """Of the scene's own setting."""
-        return differences(self.own.run, self.finest)
+        """Of the scene's own setting; empty where its run did not end well."""
+        return differences(self.own.run, self.reference.run) if self.own.is_usable else {}
 
     def order(self) -> float:
         """p of an error that falls as 1 / refinement^p; NaN where the last three steps do not agree on one."""
-        steps = [math.log2(before / after) for before, after in zip(self._steps_mm, self._steps_mm[1:]) if before > 0 and after > 0]
+        steps = [math.log2(before / after) for before, after in pairwise(self._steps_mm) if before > 0 and after > 0]
         if not self.is_refined or len(steps) < 2 or abs(steps[-1] - steps[-2]) > SAME_ORDER or steps[-1] < LEAST_ORDER:
             return math.nan
         return steps[-1]
+
+    def has_settled(self) -> bool:
+        """Refining further would change little: an order is seen, or the last step is clearly shorter than the one before."""
+        steps = self._steps_mm
+        return not math.isnan(self.order()) or (len(steps) > 1 and steps[-1] * SETTLING <= steps[-2])
 
     def left_mm(self) -> float:
         """How far the finest shape is itself from the limit: by Richardson's rule where an order is seen, else its last step.
         0 of a reference that is exact."""
         if not self.is_refined:
             return 0.0
-        last, order = (self._steps_mm or [math.nan])[-1], self.order()
+        last, order = self._steps_mm[-1], self.order()
         return last if math.isnan(order) else last / (2**order - 1)
 
-    def halving(self) -> Setting | None:
-        """The first finer setting whose shape has at most half of the error; None where none was run. The finest itself counts
-        only where an order tells its error."""
-        own, left = self.errors().get("shape_mm", math.nan), self.left_mm()
-        finer = [one for one in self.settings if one.factor > self.own.factor and (one.run is not self.finest or not math.isnan(self.order()))]
-        return next((one for one in finer if differences(one.run, self.finest).get("shape_mm", math.inf) + left <= ROUNDED * (own + left) / 2), None)
+    def most_mm(self) -> float:
+        """The error of the shape, with what the reference is itself off by; NaN where it is not known."""
+        return self.errors().get("shape_mm", math.nan) + self.left_mm()
+
+    def halving(self, floor_mm: float = 0.0) -> Setting | None:
+        """The first finer setting whose shape has at most half of the error; None where none was run, where refining has not
+        settled, and where the error is no more than the floor. The finest itself counts only where an order tells its error."""
+        if not self.errors().get("shape_mm", 0.0) > floor_mm or not self.has_settled():
+            return None
+        finer = [one for one in self.settings if one.factor > self.own.factor and (one is not self.reference or not math.isnan(self.order()))]
+        half_mm = ROUNDED * self.most_mm() / 2
+        return next((one for one in finer if shape_mm(one.run, self.reference.run) + self.left_mm() <= half_mm), None)
 
     @property
     def _steps_mm(self) -> list[float]:
-        """From each shape to that of the next finer setting, as far as each doubles the one before."""
+        """From each shape to that of the next finer setting, from the scene's own on."""
         from_own = [one for one in self.settings if one.factor >= self.own.factor]
-        return [shape_mm(before.run, after.run) for before, after in zip(from_own, from_own[1:])]
+        return [shape_mm(before.run, after.run) for before, after in pairwise(from_own)]
 
 
 def differences(run: Run, reference: Run) -> dict[str, float]:
@@ -117,34 +136,49 @@ def frame_ms(run: Run) -> float:
     return 1e-6 * float(counted["frame_ns"].median()) if len(counted) and "frame_ns" in counted else math.nan
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class Budget:
     """Of one scene."""
 
     scene: str
     muscle: str
+    own: Run  # exact, with the scene's own setting
     sources: list[Source]
-    floor: dict[str, float] = field(default_factory=dict)  # what rounding alone changes, by FIGURES
+    floors: list[dict[str, float]]  # what rounding alone changes, by FIGURES; of each start that ended well
 
-    def largest(self) -> Source:
-        return max(self.sources, key=lambda source: source.errors().get("shape_mm", -1.0))
+    @property
+    def floor(self) -> dict[str, float]:
+        return {name: max(start[name] for start in self.floors if name in start) for name in FIGURES
+                if any(name in start for start in self.floors)}
+
+    def times(self, run: Run) -> float:
+        """The time of a frame over that of the exact run with the scene's own setting."""
+        return frame_ms(run) / frame_ms(self.own)
 
 
-def in_words(budget: Budget, names: dict[str, str]) -> str:
-    """One sentence on the shape, another on how to halve what is largest. `names`: of the sources, for a reader."""
-    errors = sorted(((source.errors()["shape_mm"], source) for source in budget.sources if "shape_mm" in source.errors()),
-                    key=lambda pair: -pair[0])
-    if not errors:
-        return f"{budget.scene}: no shape of it is known."
-    floor = budget.floor.get("shape_mm", 0.0)
-    (most, largest), others = errors[0], errors[1:]
-    if most <= floor:
-        return f"{budget.scene}: no source moves the shape by more than rounding does ({floor:.2g} mm)."
-    told = ", ".join(f"{names[source.name]} {error:.2g} mm" for error, source in others)
-    text = f"{budget.scene}: most of the shape's error comes from the {names[largest.name]}: {most:.2g} mm with {largest.own.words}"
-    text += f" ({told}; rounding {floor:.2g} mm)." if told else f" (rounding {floor:.2g} mm)."
-    if better := largest.halving():
-        text += f" {better.words.capitalize()} halve it for {frame_ms(better.run) / frame_ms(largest.own.run):.2g} times the time."
-    elif largest.is_refined:
-        text += " No setting that was run halves it."
-    return text
+def in_words(budget: Budget) -> str:
+    """Which source is the largest of the shape, the others, what ended badly, and what halving the largest costs."""
+    known = sorted((source for source in budget.sources if not math.isnan(source.most_mm())), key=lambda source: -source.most_mm())
+    bad = [f"{source.own.words}: {source.own.run.status}" for source in budget.sources if not source.own.is_usable]
+    floor = budget.floor.get("shape_mm")
+    rounding = f"rounding {floor:.2g} mm" if floor is not None else "rounding not known"
+    also = f" Not judged: {'; '.join(bad)}." if bad else ""
+    if not known:
+        return f"{budget.scene}: no source of error could be told.{also}"
+    if floor is not None and known[0].most_mm() <= floor:
+        return f"{budget.scene}: no source moves the shape by more than {rounding}.{also}"
+    largest, *others = known
+    told = "; ".join([*(f"{source.name} {_size(source)}" for source in others), rounding])
+    text = f"{budget.scene}: most of the shape's error comes from the {largest.name}: {_size(largest)} with {largest.own.words} ({told}).{also}"
+    better = largest.halving(floor or 0.0)
+    if better and not math.isnan(price := budget.times(better.run) / budget.times(largest.own.run)):
+        return f"{text} {better.words.capitalize()} halve it for {price:.2g} times the time."
+    if not largest.is_refined:
+        return text
+    return f"{text} {'No setting that was run halves it.' if largest.has_settled() else 'Refining it has not settled: what halves it is not known.'}"
+
+
+def _size(source: Source) -> str:
+    """As an interval where the finest setting is itself off by much."""
+    own, most = f"{source.errors()['shape_mm']:.2g}", f"{source.most_mm():.2g}"
+    return f"{own} mm" if own == most else f"{own} to {most} mm"

@@ -1,6 +1,7 @@
 """Figures of the budget: what each source of error moves, and the shape against the number of substeps."""
 
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 from matplotlib.axes import Axes
@@ -14,24 +15,26 @@ ROW_INCHES = 0.2
 FLOOR = "rounding"
 BAR, NO_MORE_THAN_ROUNDING = "#0072B2", "#b5c6d1"
 LEAST_MM = 1e-6
+QUIET = ("ok", "nan", "None")  # statuses that need no word
 
 
 def draw_budget(rows: pd.DataFrame, stem: Path) -> list[Path]:
-    """A panel a scene, a bar a source: how far the shape moves (RMS, log axis), with what rounding alone does (dashed). Pale: no more
-    than that."""
+    """A panel a scene, a bar a source: how far the shape moves (RMS, log axis), with what rounding alone does (dashed) and, as a thin
+    line, what the finest setting is itself off by. Pale: no more than rounding."""
     scenes = [(scene, part[part["shape_mm"] > LEAST_MM]) for scene, part in rows.groupby("scene", sort=False)]
     scenes = [(scene, part) for scene, part in scenes if len(part)]
     if not scenes:
         return []
     style.apply_style()
     lines = max(len(part) for _, part in scenes)
-    every = pd.concat([part["shape_mm"] for _, part in scenes])
+    every = pd.concat([part["shape_mm"] + part["left_mm"].fillna(0) for _, part in scenes])
     figure, panels = plt.subplots(len(scenes), 1, squeeze=False, sharex=True, figsize=(style.PAGE_INCHES, (ROW_INCHES * lines + 0.45) * len(scenes) + 0.3))
     for axes, (scene, part) in zip(panels[:, 0], scenes):
-        _draw_bars(axes, part.sort_values("shape_mm", ascending=False))
+        most = part["shape_mm"] + part["left_mm"].fillna(0)
+        _draw_bars(axes, part.assign(most_mm=most).sort_values("most_mm", ascending=False))
         axes.set_title(style.muscle_label(str(scene).replace("/", ", ")), loc="left")
         axes.xaxis.set_tick_params(labelbottom=True)
-    panels[-1, 0].set_xlim(min(0.3 * every.min(), 0.1), 4 * every.max())
+    panels[-1, 0].set_xlim(min(0.3 * min(part["shape_mm"].min() for _, part in scenes), 0.1), 4 * every.max())
     panels[-1, 0].set_xlabel("how far the shape at full flexion moves, RMS (mm)")
     figure.tight_layout()
     return style.save_figure(figure, stem)
@@ -43,18 +46,23 @@ def _draw_bars(axes: Axes, part: pd.DataFrame) -> None:
     colours = [BAR if value > floor else NO_MORE_THAN_ROUNDING for value in part["shape_mm"]]
     axes.set(xscale="log", ylim=(len(part) - 0.4, -0.6))
     axes.barh(range(len(part)), part["shape_mm"], color=colours, height=0.75)
-    for line, value in enumerate(part["shape_mm"]):
-        axes.text(value * 1.08, line, f"{value:.2g}", va="center", fontsize=style.SMALLEST_POINTS,
+    for line, (value, most) in enumerate(zip(part["shape_mm"], part["most_mm"])):
+        axes.plot([value, most], [line, line], color=style.NOTE_COLOUR, linewidth=1)
+        axes.text(most * 1.08, line, f"{value:.2g}", va="center", fontsize=style.SMALLEST_POINTS,
                   bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6})
     if floor:
         axes.axvline(floor, color=style.NOTE_COLOUR, linewidth=0.8, linestyle="--", zorder=0)
-    axes.set_yticks(range(len(part)), [source if setting in source else f"{source}: {setting}"
-                                       for source, setting in zip(part["source"], part["setting"])])
+    axes.set_yticks(range(len(part)), [_named(row) for row in part.itertuples()])
     axes.tick_params(axis="y", length=0)
     axes.grid(axis="y", visible=False)
     axes.xaxis.set_major_locator(LogLocator())
     axes.xaxis.set_major_formatter(PLAIN)
     axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def _named(row: Any) -> str:
+    words: str = row.source if row.setting in row.source else f"{row.source}: {row.setting}"
+    return words if str(row.status) in QUIET else f"{words} ({row.status})"
 
 
 def draw_substeps(rows: pd.DataFrame, stem: Path) -> list[Path]:

@@ -3,10 +3,12 @@
 The tool runs a scene with its own settings and the exact backend. Then it refines one source of error at a time: the time step
 (more substeps in a frame of the same time), the iterations, collision (other backends with their defaults). Starts that are off by
 rounding give the floor. A table in --out has what each source moves: the shape, moment arm, volume, surface depth, joint torque
-and peak pressure. A sentence for each scene says which source is the largest and which setting halves it.
+and peak pressure. A sentence for each scene says which source is the largest and, if it was refined, which setting halves it.
+
+Scenes of the program run with the preset `standard`, scene files with their own. Meshes are not refined.
 
   tools/budget --scene my_scene.toml
-  tools/budget --muscle iliacus --finest 4
+  tools/budget --muscle iliacus --backend sdf
 
 You can stop the study and start it again. It skips complete cases. A case runs again if its arguments, the program or the
 data changed.
@@ -20,13 +22,14 @@ from .shared import EVERY_SCENE, Tool, add_frames_option, add_jobs_option, add_r
 def parse_arguments(arguments, file: ExperimentFile):
     parser = study_parser("budget", __doc__)
     add_scene_options(parser, EVERY_SCENE)
-    finest = max((factor for group in file.groups for factor in group.times_substeps), default=1.0)
-    parser.add_argument("--finest", type=float, default=finest, metavar="N",
-                        help=f"most substeps and iterations, in multiples of the scene's own (default: {finest:g})")
+    finest = int(max((factor for group in file.groups for factor in group.times_substeps), default=1))
+    parser.add_argument("--finest", type=int, default=finest, metavar="N",
+                        help="most substeps and iterations, in multiples of the scene's own; the multiples double up to it. 8 or more "
+                             f"show whether errors have an order (default: {finest})")
     parser.add_argument("--backend", action="append", metavar="NAME",
                         help="backend whose collision error is told; may be repeated (default: all fast ones)")
     add_frames_option(parser)
-    add_run_options(parser, timeout=file.timeout_s, is_timed=False)
+    add_run_options(parser, timeout=file.timeout_s)
     add_jobs_option(parser)
     return parser.parse_args(arguments)
 

@@ -77,9 +77,12 @@ class TablePart:
 
     @property
     def below(self) -> set[int]:
-        """Columns with sentences, such as the reason of a status: these stand under their row, as wide as the table."""
-        return {i for _, lines in self.groups for cells in lines for i, cell in enumerate(cells)
-                if not self.is_number[i] and len(cell) > MOST_IN_A_CELL}
+        """Columns of sentences, such as the reason of a status: these stand under their row, as wide as the table. Where most cells
+        are short, a long one wraps."""
+        told = [[cells[i].strip() for _, lines in self.groups for cells in lines if cells[i].strip() not in ("", "-")]
+                for i in range(len(self.heads))]
+        return {i for i, cells in enumerate(told)
+                if cells and not self.is_number[i] and 2 * sum(len(cell) > MOST_IN_A_CELL for cell in cells) > len(cells)}
 
 
 class Part(Protocol):
