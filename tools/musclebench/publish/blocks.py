@@ -46,8 +46,8 @@ RETURN_KEYS = ("muscle", "status", "added", "rms_mm", "surface_depth_mm", "tunne
 GUARD_KEYS = ("muscle", "frames", "step_deg", "without", "angle", "angle_recall", "crossing", "crossing_recall")
 SUBSTEP_KEYS = ("scene", "backend", "substeps", "status", "rms_mm", "p99_mm", "largest_mm", "volume_error_percent",
                 "largest_depth_mm")
-BUDGET_KEYS = ("scene", "source", "setting", "shape_mm", "arm_mm", "volume_percent", "surface_mm", "torque_percent", "pressure_percent",
-               "order", "left_mm", "halved_by", "times")
+BUDGET_KEYS = ("scene", "source", "setting", "status", "reference", "shape_mm", "arm_mm", "volume_percent", "surface_mm", "torque_percent",
+               "pressure_percent", "order", "left_mm", "halved_by", "price")
 EFFECT_COST_KEYS = ("muscle", "effect", "own_ms", "share_percent", "added_ms", "saved_ms")
 EFFECT_CHANGE_KEYS = ("muscle", "set", "status", "frame_ms", "node_depth_mm", "surface_depth_mm", "volume_percent", "folded",
                       "folded_at_rest", "tunnelled", "stretch", "shape_mm", "arm_mm")
