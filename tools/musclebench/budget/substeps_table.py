@@ -13,7 +13,7 @@ COLUMNS = [
     Column("muscle", "muscle"), Column("scene", "scene"), Column("backend", "backend"),
     Column("substeps", "substeps", 0), Column("status", "status"),
     Column("rms_mm", "RMS mm", 3), Column("p99_mm", "p99 mm", 3), Column("largest_mm", "largest mm", 3),
-    Column("volume_error_percent", "volume error %", 4), Column("largest_depth_mm", "largest depth mm", 3),
+    Column("volume_error_percent", "volume error %", 4), Column("largest_depth_mm", "deepest node mm", 3),
 ]
 SHOWN = [column.key for column in COLUMNS if column.key != "muscle"]
 CAPTION = (
