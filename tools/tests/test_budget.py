@@ -49,6 +49,7 @@ def test_complete_runs_are_kept_and_the_table_has_a_row_a_source(study, tmp_path
     rows = pd.read_csv(tmp_path / "out" / "tables" / "budget.csv")
     assert list(rows["source"]) == ["time step", "iterations", "collision, distance field (sdf)", "rounding"]
     assert list(rows["setting"])[:2] == ["3 substeps", "1 iteration"]
+    assert (tmp_path / "out" / "tables" / "budget.txt").read_text().strip() in text
     assert "synthetic/iliacus: no source moves the shape by more than rounding" in text
     assert study()[3] == []
     assert study("--finest", "4")[3] == ["iliacus-iterations=4", "iliacus-substeps=12"]
@@ -179,7 +180,7 @@ def test_the_sentence_names_the_largest_source_what_ended_badly_and_the_price(tm
     found = budget_with(tmp_path)
     assert sources.in_words(found) == (
         "lhdl/iliacus: most of the shape's error comes from the time step: 2.8 to 3.2 mm with 1 parts (collision, sdf 0.09 mm; "
-        "rounding 0.01 mm). Not judged: voxel: diverged. 2 parts halve it for 2 times the time.")
+        "rounding 0.01 mm). Not judged: voxel: diverged. 2 parts halve the error of the time step for 2 times the time.")
     quiet = budget_with(tmp_path / "quiet", floors=[{"shape_mm": 5.0}])
     assert "no source moves the shape by more than rounding 5 mm" in sources.in_words(quiet)
     unknown = budget_with(tmp_path / "unknown", floors=[])
@@ -193,7 +194,7 @@ def test_a_source_is_ranked_with_what_its_finest_is_off(tmp_path):
     found = Budget("a", "m", steps.own.run, [Source("collision, sdf", [field], field, steps.own), steps], [])
     text = sources.in_words(found)
     assert text.startswith("a: most of the shape's error comes from the time step: 4 to 8 mm")
-    assert text.endswith("Refining it has not settled: what halves it is not known.")
+    assert text.endswith("What halves the error of the time step is not known: refining it has not settled.")
 
 
 def test_rows_leave_out_what_ended_badly_and_times_are_over_the_exact_run(tmp_path):

@@ -9,6 +9,7 @@ from ..experiments.caveats import caveats
 from ..experiments.swept_case import SweptCase
 from ..figures import looks
 from ..figures.budget import draw_budget, draw_substeps
+from ..program.fingerprint import write_whole
 from ..program.optional_packages import left_out_without
 from ..results.disturbance import disturbed, note
 from ..results.run_folder import Run, read_run
@@ -62,6 +63,8 @@ def write_report(done: dict[SweptCase, Path], out_dir: Path) -> tuple[Table, lis
     busy = note(disturbed({run.folder.name: run.record for run in runs.values()}), len(runs))
     said = " ".join(filter(None, [caveats(out_dir), busy]))
     files = [path for one in (table, settings, substeps) for path in write_table(one.with_sentence(said), out_dir / "tables")]
+    files.append(out_dir / "tables" / "budget.txt")
+    write_whole(files[-1], "\n".join(sentences) + "\n")
     with left_out_without("the figures"):
         files += draw_budget(table.rows, out_dir / "figures" / "budget") + draw_substeps(substeps.rows, out_dir / "figures" / "substeps")
     return table.with_sentence(said), sentences, files

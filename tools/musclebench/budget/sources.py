@@ -170,12 +170,16 @@ def in_words(budget: Budget) -> str:
     largest, *others = known
     told = "; ".join([*(f"{source.name} {_size(source)}" for source in others), rounding])
     text = f"{budget.scene}: most of the shape's error comes from the {largest.name}: {_size(largest)} with {largest.own.words} ({told}).{also}"
-    better = largest.halving(floor or 0.0)
-    if better and not math.isnan(price := budget.times(better.run) / budget.times(largest.own.run)):
-        return f"{text} {better.words.capitalize()} halve it for {price:.2g} times the time."
-    if not largest.is_refined:
-        return text
-    return f"{text} {'No setting that was run halves it.' if largest.has_settled() else 'Refining it has not settled: what halves it is not known.'}"
+    return " ".join([text, *(_halving_in_words(source, budget) for source in known if source.is_refined and source.most_mm() > (floor or 0.0))])
+
+
+def _halving_in_words(source: Source, budget: Budget) -> str:
+    better = source.halving(budget.floor.get("shape_mm", 0.0))
+    if better and not math.isnan(price := budget.times(better.run) / budget.times(source.own.run)):
+        return f"{better.words.capitalize()} halve the error of the {source.name} for {price:.2g} times the time."
+    if source.has_settled():
+        return f"No setting that was run halves the error of the {source.name}."
+    return f"What halves the error of the {source.name} is not known: refining it has not settled."
 
 
 def _size(source: Source) -> str:

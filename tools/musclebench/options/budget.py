@@ -3,7 +3,8 @@
 The tool runs a scene with its own settings and the exact backend. Then it refines one source of error at a time: the time step
 (more substeps in a frame of the same time), the iterations, collision (other backends with their defaults). Starts that are off by
 rounding give the floor. A table in --out has what each source moves: the shape, moment arm, volume, surface depth, joint torque
-and peak pressure. A sentence for each scene says which source is the largest and, if it was refined, which setting halves it.
+and peak pressure. Sentences for each scene (budget.txt) say which source is the largest, and which settings halve the errors that
+were refined.
 
 Scenes of the program run with the preset `standard`, scene files with their own. Meshes are not refined.
 
