@@ -6,17 +6,19 @@ const SYMBOLS = ["circle", "rect", "diamond", "triangle", "roundRect", "arrow"];
 const CROSS = "path://M-1,-1L1,1M-1,1L1,-1";
 const BAND_DECADES = 1.2;
 const BAND_SHARE = 0.68; // of the band's height: below it are its words
+const TOP_MARGIN = 1.4;
 
 export function pointsOf(spec, rows, choice) {
   const { exact_mm: exact, exact_words: exactWords } = spec;
   const points = rows.filter((row) => !row.is_control && row[spec.x.column] > 0);
-  const errors = points.map((row) => row[spec.y.column]).filter((error) => error >= exact);
+  const errors = points.filter((row) => !row.is_substitute).map((row) => row[spec.y.column]).filter((error) => error >= exact);
   const low = 10 ** Math.floor(Math.log10(errors.length ? Math.min(...errors) : 1e-3) - 1e-9);
   const high = 2.5 * (errors.length ? Math.max(...errors) : 1);
-  const hasBand = points.some((row) => row[spec.y.column] < exact);
+  const hasBand = points.some((row) => !row.is_substitute && row[spec.y.column] < exact);
   const bottom = hasBand ? low / 10 ** BAND_DECADES : low;
   const sorted = [...points].sort((a, b) => a[spec.x.column] - b[spec.x.column]);
-  const heights = new Map(sorted.map((row) => [row, row[spec.y.column] >= exact ? row[spec.y.column] : bottom ** (1 - BAND_SHARE) * low ** BAND_SHARE]));
+  const inBand = bottom ** (1 - BAND_SHARE) * low ** BAND_SHARE;
+  const heights = new Map(sorted.map((row) => [row, heightOf(row, row[spec.y.column], exact, inBand, high / TOP_MARGIN)]));
   const place = (row) => [row[spec.x.column], heights.get(row)];
   const series = [...frontOf(sorted, heights, spec), ...curvesOf(points, place, choice), barsOf(points, spec, heights, choice)];
   const first = series.length;
@@ -45,19 +47,26 @@ export function pointsOf(spec, rows, choice) {
   };
 }
 
+// Of what can't be asked about points the error is not known: it stands at the top.
+function heightOf(row, error, exact, inBand, top) {
+  if (row.is_substitute) return top;
+  return error >= exact ? error : inBand;
+}
+
 const decade = (value) => (Math.abs(Math.log10(value) - Math.round(Math.log10(value))) < 1e-6 ? String(Number(value.toPrecision(6))) : "");
 
 function tellOf(spec, row, exact, exactWords) {
-  const error = row[spec.y.column] < exact ? exactWords : `${figure(row[spec.y.column])}`;
+  const known = row[spec.y.column] < exact ? exactWords : figure(row[spec.y.column]);
+  const error = row.is_substitute ? "not known" : known;
   const interval = row.time_ms_low === null ? "" : ` (95 % interval ${figure(row.time_ms_low)} to ${figure(row.time_ms_high)})`;
   return [row.spoken ?? row.configuration, `${spec.x.title}: ${figure(row[spec.x.column])}${interval}`, `${spec.y.title}: ${error}`,
     ...Object.entries(spec.hover).map(([column, title]) => `${title}: ${figure(row[column])}`),
     ...(row.is_wrong ? ["answers wrongly"] : []),
-    ...(row.is_substitute ? ["can't be asked about single points: the depth that its own run left"] : []), ...(row.on_front ? ["on the Pareto front"] : [])];
+    ...(row.is_substitute ? ["can't be asked about single points"] : []), ...(row.on_front && !row.is_substitute ? ["on the Pareto front"] : [])];
 }
 
 function frontOf(sorted, heights, spec) {
-  const front = sorted.filter((row) => row.on_front).map((row) => [row[spec.x.column], heights.get(row)]);
+  const front = sorted.filter((row) => row.on_front && !row.is_substitute).map((row) => [row[spec.x.column], heights.get(row)]);
   if (!front.length) return [];
   return [{ type: "line", step: "end", data: front, silent: true, showSymbol: false, color: ink("quiet"), z: 1,
     lineStyle: { width: 5, opacity: 0.3 } }];

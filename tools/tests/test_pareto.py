@@ -7,7 +7,8 @@ import pandas as pd
 import pytest
 
 from fake_study import SCENES, SIZES, replays_of
-from musclebench.accuracy import front
+from musclebench.accuracy import front, report
+from musclebench.accuracy.aggregates import Aggregate
 from musclebench.figures import labels, looks, overview, pareto
 from musclebench.figures.style import plt
 
@@ -134,6 +135,16 @@ def test_what_can_not_be_asked_about_points_is_hollow_at_the_edge(tmp_path):
     written = pd.read_csv(tmp_path / "overview.csv").set_index("configuration")
     assert np.isnan(written.loc["fcl default", "error_mm"]) and written.loc["bvh", "time_ms_low"] < written.loc["bvh", "time_ms"]
     plt.close(drawn[0])
+
+
+def test_what_can_not_be_asked_about_points_has_no_error_in_the_replay(study, tmp_path, monkeypatch):
+    """Nor a place on the front: the depth that its own run left would look exact."""
+    monkeypatch.setattr(Aggregate, "is_asked", property(lambda one: one.configuration.backend != "fcl"))
+    report._draw_replay(replays_of(study), set(), tmp_path)
+    rows = pd.read_csv(tmp_path / "pareto_replay.csv")
+    unknown = rows[rows["is_substitute"]]
+    assert set(unknown["backend"]) == {"fcl"} and unknown["error_mm"].isna().all() and not unknown["on_front"].any()
+    assert rows[~rows["is_substitute"]]["error_mm"].notna().all()
 
 
 def test_an_error_that_is_not_known_leaves_the_time(study):

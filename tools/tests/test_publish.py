@@ -410,3 +410,12 @@ def test_a_study_that_fails_is_told_and_the_others_are_written(rehearsal, capsys
     told = capsys.readouterr()
     assert "speed-synthetic ended with 3" in told.err and "Not all was published." in told.out
     assert (out / "measured" / "paper-synthetic" / "source.json").is_file()
+
+
+def test_factors_are_those_of_the_backend_that_is_named():
+    """Of a study with choices of several libraries."""
+    told = block(REPORTS, "factors accuracy-lhdl fcl muscle=gluteus_maximus,choice=default|OBB")
+    rows = pd.read_csv(REPORTS.folder / "accuracy-lhdl" / "fcl_factors.csv").set_index(["muscle", "choice"])
+    assert f"{rows.loc[('gluteus_maximus', 'OBB'), 'time_ms']:.2f}" in told and told.count("gluteus maximus") == 2
+    with pytest.raises(Problem, match="box2d_factors"):
+        block(REPORTS, "factors accuracy-lhdl box2d muscle=iliacus")

@@ -122,14 +122,13 @@ def _notes(table: Table) -> str:
 
 
 def _draw_replay(replays: list[Aggregate], wrong: set, folder: Path) -> list[Path]:
-    points = points_of(replays, lambda aggregate: aggregate.p99_offset_mm, wrong, lambda aggregate: not aggregate.is_asked)
+    points = points_of(replays, lambda one: one.p99_offset_mm if one.is_asked else math.inf, wrong, lambda one: not one.is_asked)
     title = "What accuracy costs in time: the same positions for every backend (replay)"
     files = draw_pareto(points, folder / "pareto_replay", title, "surface offset, 99th percentile (mm)", Emphasis("exact"))
     offset = captions.OFFSET.format(band=captions.band_of(_cases(replays)))
     texts = [f"{offset} {captions.SUBSTITUTE}", captions.TIME, FRONT_WORDS, rule(), _left_out(replays, points)]
     all_points = _with_caption(files, title, texts, _cases(replays))
     title = "What accuracy costs: all backends at the same positions"
-    points = points_of(replays, lambda one: one.p99_offset_mm if one.is_asked else math.inf, wrong, lambda one: not one.is_asked)
     files = draw_overview(points, folder / "overview", title)
     return all_points + _with_caption(files, title, [offset, f"{captions.MEDIAN}.", OVERVIEW_WORDS, rule(), _left_out(replays, points)], _cases(replays))
 

@@ -11,8 +11,7 @@ OFFSET = (
     "inwards or outwards, searched for within {band}. A backend that answers nowhere has that bound."
 )
 SUBSTITUTE = (
-    "A hollow marker is a method that can't be asked about single points: it has the depth of nodes that its own motion "
-    "leaves, 99th percentile over frames."
+    "A hollow marker at the upper edge is a method that can't be asked about single points: it has a time, but no known error."
 )
 MEDIAN = "Time is update + detect + respond of one thread: the median over the frames without warm-up of all repetitions"
 TIME = (

@@ -55,7 +55,7 @@ def _cell(value, column: str) -> str:
     return muscle_label(value) if column == "muscle" else str(value)
 
 
-HOLLOW = " Hollow points can't be asked about single points: their error is the depth that their own run left."
+HOLLOW = " Hollow points at the top can't be asked about single points: their error is not known."
 
 
 def pareto_chart(folder: Path, name: str, error_title: str, exact_mm: float, exact_words: str) -> list[Chart]:

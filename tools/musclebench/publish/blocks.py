@@ -66,16 +66,20 @@ def block(measured: Measured, specification: str) -> str:
 
 
 def _from(file_name: str, columns: list[Column], keys: tuple[str, ...]) -> Callable[[Measured, str, str], str]:
-    """`file_name` may hold a star: the one file that it fits."""
     def made(measured: Measured, study: str, filters: str) -> str:
-        name = next((path.stem for path in sorted((measured.folder / study).glob(f"{file_name}.csv"))), file_name)
-        rows = chosen_rows(measured.table(f"{study}/{name}"), filters, f"{name} {study} {filters}")
+        rows = chosen_rows(measured.table(f"{study}/{file_name}"), filters, f"{file_name} {study} {filters}")
         by_key = {column.key: column for column in with_unit(columns, measured.source(study).unit)}
         shown = [by_key[key] for key in keys if key in rows and key in by_key]
         rows = _marked(rows.assign(**{key: rows[key].map(plain) for key in ("target_mm",) if key in rows}))
         return markdown_rows(shown, rows)
 
     return made
+
+
+def _factors(measured: Measured, study: str, filters: str) -> str:
+    """`BACKEND [FILTERS]`"""
+    backend, _, rest = filters.partition(" ")
+    return _from(f"{backend}_factors", choices.COLUMNS, FACTOR_KEYS)(measured, study, rest)
 
 
 def _marked(rows: pd.DataFrame) -> pd.DataFrame:
@@ -162,7 +166,7 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "arm_prices": _from("arm_price_list", arm_prices.COLUMNS, ARM_PRICE_KEYS),
     "arm_errors": _from("arm_errors", arm_prices.ARM_COLUMNS, ARM_ERROR_KEYS),
     "force_errors": _from("force_errors", force_table.COLUMNS, FORCE_ERROR_KEYS),
-    "factors": _from("*_factors", choices.COLUMNS, FACTOR_KEYS),
+    "factors": _factors,
     "difficulties": _from("contact_difficulties", difficulties.COLUMNS, DIFFICULTY_KEYS),
     "outcomes": _from("coupled_outcomes", outcomes.COLUMNS, OUTCOME_KEYS),
     "coupled": _coupled,
