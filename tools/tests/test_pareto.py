@@ -155,3 +155,15 @@ def test_an_error_that_is_not_known_leaves_the_time(study):
     unknown = points[points["is_substitute"]]
     assert set(unknown["backend"]) == {"fcl"} and np.isinf(unknown["error_mm"]).all() and unknown["time_ms"].notna().all()
     assert not unknown["on_front"].any()
+
+
+def test_a_named_set_of_choices_has_a_mark_of_its_own():
+    known = looks.known()
+    looks.know(replace(known, backends=tuple(
+        replace(one, study={**one.study, "named": [{"text": "as first tried", "parameters": {}}]}) if one.name == "sdf" else one
+        for one in known.backends)))
+    try:
+        curve, alone, named = (looks.series_style("sdf", words) for words in ("sdf cells", "sdf, no cache cells", "sdf, as first tried cells"))
+        assert curve == looks.SERIES_STYLES[0] and len({curve, alone, named}) == 3
+    finally:
+        looks.know(known)

@@ -87,9 +87,12 @@ def marker(name: str) -> str:
 
 
 def series_style(backend_name: str, series: str) -> tuple:
-    """Marker and dash of a curve: the first of a backend is plain."""
+    """Marker and dash of a curve: the first of a backend is plain. What its study has beside its curves comes after them: single
+    choices, and then each set of choices that has a name."""
     names = series_of(backend_name)
-    index = names.index(series) if series in names else len(names)
+    sets = [one["text"] for one in backend(backend_name).study.get("named", [])]
+    beside = next((place for place, text in enumerate(sets, 1) if text in series), 0)
+    index = names.index(series) if series in names else len(names) + beside
     return SERIES_STYLES[index % len(SERIES_STYLES)]
 
 
