@@ -155,7 +155,7 @@ def test_halving_counts_what_the_finest_is_off_itself(tmp_path):
 
 @pytest.mark.parametrize(("offs_mm", "has_settled", "halved_by"), [
     ([10.0, 8.71, 7.58, 6.60], False, None), ([0.0, 3.0, 0.0, 3.0], False, None), ([1.0, 1.0, 1.0, 1.0], True, None),
-    ([8.0, 3.0, 2.9, 2.85], True, "2 parts"), ([8.0, 0.0], False, None), ([8.0, 7.0, 5.9, 3.0], False, None)])
+    ([8.0, 3.0, 2.9, 2.85], True, "2 parts"), ([8.0, 5.0, 3.2, 2.0], True, "4 parts"), ([8.0, 0.0], False, None), ([8.0, 7.0, 5.9, 3.0], False, None)])
 def test_nothing_is_said_to_halve_what_has_not_settled(tmp_path, offs_mm, has_settled, halved_by):
     source = refined(tmp_path, offs_mm)
     assert source.has_settled() == has_settled
@@ -173,7 +173,7 @@ def budget_with(tmp_path, **more) -> Budget:
     field = Setting("sdf", 1.0, moved(tmp_path / "sdf", 3.29, backend="sdf"))
     bad = Setting("voxel", 1.0, moved(tmp_path / "voxel", 50.0, backend="voxel", status="diverged"))
     found = [steps, *(Source(f"collision, {one.words}", [one], one, steps.own) for one in (field, bad))]
-    return Budget(**({"scene": "lhdl/iliacus", "muscle": "iliacus", "own": steps.own.run, "sources": found, "floors": [{"shape_mm": 0.01}]} | more))
+    return Budget(**({"scene": "lhdl/iliacus", "muscle": "iliacus", "own": steps.own.run, "sources": found, "floors": [{"shape_mm": 0.01}, {"shape_mm": 0.002}]} | more))
 
 
 def test_the_sentence_names_the_largest_source_what_ended_badly_and_the_price(tmp_path):
@@ -202,7 +202,7 @@ def test_rows_leave_out_what_ended_badly_and_times_are_over_the_exact_run(tmp_pa
     rows = pd.DataFrame(budget_report._rows(found)).set_index("source")
     assert rows.loc["collision, voxel", "status"] == "diverged" and np.isnan(rows.loc["collision, voxel", "shape_mm"])
     assert rows.loc["time step", "reference"] == "8 parts" and rows.loc["time step", "price"] == pytest.approx(2.0)
-    assert rows.loc["rounding", "setting"] == "1 starts" and rows.loc["rounding", "shape_mm"] == 0.01
+    assert rows.loc["rounding", "setting"] == "2 starts" and rows.loc["rounding", "shape_mm"] == 0.01
     settings = pd.DataFrame(budget_report._setting_rows(found))
     assert list(settings["times"]) == pytest.approx([1, 2, 4, 8, 1, 1])
     assert settings["shape_mm"].isna().tolist() == [False, False, False, True, False, True]
