@@ -173,7 +173,9 @@ def budget_with(tmp_path, **more) -> Budget:
     field = Setting("sdf", 1.0, moved(tmp_path / "sdf", 3.29, backend="sdf"))
     bad = Setting("voxel", 1.0, moved(tmp_path / "voxel", 50.0, backend="voxel", status="diverged"))
     found = [steps, *(Source(f"collision, {one.words}", [one], one, steps.own) for one in (field, bad))]
-    return Budget(**({"scene": "lhdl/iliacus", "muscle": "iliacus", "own": steps.own.run, "sources": found, "floors": [{"shape_mm": 0.01}, {"shape_mm": 0.002}]} | more))
+    usual = {"scene": "lhdl/iliacus", "muscle": "iliacus", "own": steps.own.run, "sources": found,
+             "floors": [{"shape_mm": 0.01}, {"shape_mm": 0.002}]}
+    return Budget(**(usual | more))
 
 
 def test_the_sentence_names_the_largest_source_what_ended_badly_and_the_price(tmp_path):
