@@ -104,10 +104,16 @@ def differences(run: Run, reference: Run) -> dict[str, float]:
 
 def shape_mm(run: Run, reference: Run) -> float:
     """Root mean square over the nodes; NaN where one of the runs came to an end before full flexion."""
+    distances_mm = node_distances_mm(run, reference)
+    return math.nan if distances_mm is None else float(np.sqrt(np.mean(distances_mm**2)))
+
+
+def node_distances_mm(run: Run, reference: Run) -> npt.NDArray[np.float64] | None:
+    """Of each node at full flexion; None where one of the runs came to an end before."""
     ours, theirs = flexed(run), flexed(reference)
     if ours is None or theirs is None or ours.shape != theirs.shape:
-        return math.nan
-    return 1e3 * float(np.sqrt(np.mean(np.sum((ours - theirs) ** 2, axis=1))))
+        return None
+    return np.asarray(1e3 * np.linalg.norm(ours - theirs, axis=1))
 
 
 def flexed(run: Run) -> npt.NDArray[np.float64] | None:

@@ -1,13 +1,11 @@
 """The table of substeps: how far each shape is from that of the most substeps."""
 
-import numpy as np
-import numpy.typing as npt
 import pandas as pd
 
 from ..results.run_folder import Run
 from ..results.statistics import percentile
 from ..tables.table_formats import Column, Table
-from .sources import flexed
+from .sources import node_distances_mm, shape_mm
 
 COLUMNS = [
     Column("muscle", "muscle"), Column("scene", "scene"), Column("backend", "backend"),
@@ -31,17 +29,14 @@ def table(runs: list[Run]) -> Table:
 
 def _rows(runs: list[Run]) -> list[dict[str, object]]:
     runs = sorted(runs, key=_substeps)
-    finest = flexed(runs[-1])
-    return [_row(run, finest) for run in runs]
+    return [_row(run, runs[-1]) for run in runs]
 
 
-def _row(run: Run, finest: npt.NDArray[np.float64] | None) -> dict[str, object]:
+def _row(run: Run, finest: Run) -> dict[str, object]:
     row: dict[str, object] = {"muscle": run.muscle, "scene": run.scene, "backend": run.backend, "substeps": _substeps(run), "status": run.status}
-    shape = flexed(run)
-    if shape is not None and finest is not None:
-        distances = 1e3 * np.linalg.norm(shape - finest, axis=1)
-        row |= {"rms_mm": float(np.sqrt(np.mean(distances**2))), "p99_mm": float(percentile(distances, 99)),
-                "largest_mm": float(distances.max())}
+    distances_mm = node_distances_mm(run, finest)
+    if distances_mm is not None:
+        row |= {"rms_mm": shape_mm(run, finest), "p99_mm": float(percentile(distances_mm, 99)), "largest_mm": float(distances_mm.max())}
     rest_m3 = (run.record.get("muscle") or {}).get("rest_volume_m3")
     if rest_m3 and "volume_m3" in run.frames:
         row["volume_error_percent"] = float(100 * (run.frames["volume_m3"] / rest_m3 - 1).abs().max())
