@@ -5,10 +5,10 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <utility>
 #include <vector>
 
 #include "core/base/portable_math.hpp"
+#include "core/mesh/split_mesh.hpp"
 
 namespace musclebench {
 
@@ -76,22 +76,22 @@ TriangleMesh make_cracked_block(double half_width_m, double depth_m) {
 }
 
 TriangleMesh make_skids(double half_length_m) {
-  return refined(drawn_out({{-0.012, 0}, {0, 0.012}, {0.012, 0}, {0.02, 0.02}, {-0.02, 0.02}},
-                           {{0, 1, 4}, {1, 3, 4}, {1, 2, 3}}, half_length_m),
-                 2);
+  return split_flat(drawn_out({{-0.012, 0}, {0, 0.012}, {0.012, 0}, {0.02, 0.02}, {-0.02, 0.02}},
+                              {{0, 1, 4}, {1, 3, 4}, {1, 2, 3}}, half_length_m),
+                    2);
 }
 
 TriangleMesh make_channel(double half_length_m) {
-  return refined(drawn_out({{-0.015, 0},
-                            {0.015, 0},
-                            {0.015, 0.03},
-                            {0.007, 0.03},
-                            {0.007, 0.008},
-                            {-0.007, 0.008},
-                            {-0.007, 0.03},
-                            {-0.015, 0.03}},
-                           {{0, 1, 4}, {0, 4, 5}, {1, 2, 3}, {1, 3, 4}, {0, 5, 6}, {0, 6, 7}}, half_length_m),
-                 2);
+  return split_flat(drawn_out({{-0.015, 0},
+                               {0.015, 0},
+                               {0.015, 0.03},
+                               {0.007, 0.03},
+                               {0.007, 0.008},
+                               {-0.007, 0.008},
+                               {-0.007, 0.03},
+                               {-0.015, 0.03}},
+                              {{0, 1, 4}, {0, 4, 5}, {1, 2, 3}, {1, 3, 4}, {0, 5, 6}, {0, 6, 7}}, half_length_m),
+                    2);
 }
 
 TriangleMesh make_holed_plate() {
@@ -123,28 +123,6 @@ TriangleMesh make_holed_plate() {
       if (!is_filled(x, y - 1)) add_square({{{x, y, -1}, {x + 1, y, -1}, {x + 1, y, 0}, {x, y, 0}}});
       if (!is_filled(x, y + 1)) add_square({{{x, y + 1, -1}, {x, y + 1, 0}, {x + 1, y + 1, 0}, {x + 1, y + 1, -1}}});
     }
-  }
-  return mesh;
-}
-
-TriangleMesh refined(TriangleMesh mesh, int times) {
-  for (int i = 0; i < times; ++i) {
-    std::map<std::pair<int, int>, int> middles;
-    const auto middle = [&](int a, int b) {
-      const auto [found, is_new] = middles.try_emplace(std::minmax(a, b), static_cast<int>(mesh.vertices.size()));
-      if (is_new) {
-        const Vec3 between =
-            0.5 * (mesh.vertices[static_cast<std::size_t>(a)] + mesh.vertices[static_cast<std::size_t>(b)]);
-        mesh.vertices.push_back(between);
-      }
-      return found->second;
-    };
-    std::vector<Triangle> split;
-    for (const auto& [a, b, c] : mesh.triangles) {
-      const int ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
-      for (const Triangle& part : {Triangle{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}}) split.push_back(part);
-    }
-    mesh.triangles = std::move(split);
   }
   return mesh;
 }

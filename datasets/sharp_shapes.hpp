@@ -16,16 +16,13 @@ TriangleMesh make_wedge(double half_width_m, double height_m, double half_length
 /// A block below z = 0 with a crack of V shape along y, at its sharp bottom `depth_m` deep.
 TriangleMesh make_cracked_block(double half_width_m, double depth_m);
 
-/// A prism along y that stands on two sharp edges 24 mm apart, a notch between them; refined twice.
+/// A prism along y that stands on two sharp edges 24 mm apart, a notch between them; split twice.
 TriangleMesh make_skids(double half_length_m);
 
-/// A U along y, open upwards: walls and floor 8 mm thick about a gap of 14 mm, 30 mm wide and high; refined twice.
+/// A U along y, open upwards: walls and floor 8 mm thick about a gap of 14 mm, 30 mm wide and high; split twice.
 TriangleMesh make_channel(double half_length_m);
 
 /// A plate below z = 0 with a square hole through its middle, of edges one cell of 12 mm long.
 TriangleMesh make_holed_plate();
-
-/// Each triangle split in four, `times` times; new vertices lie on the edges.
-TriangleMesh refined(TriangleMesh mesh, int times);
 
 }  // namespace musclebench

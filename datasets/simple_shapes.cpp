@@ -6,6 +6,7 @@
 
 #include "core/base/input_error.hpp"
 #include "core/mesh/shapes.hpp"
+#include "core/mesh/split_mesh.hpp"
 #include "datasets/sharp_shapes.hpp"
 
 namespace musclebench {
@@ -177,16 +178,18 @@ constexpr std::array shapes = {
     NamedShape{"tube", [] { return moved(lying_capsule(0.01, 0.05, 32), Vec3(0, 0, 0.01)); }},
     NamedShape{"coarse_tube", [] { return moved(lying_capsule(0.01, 0.05, 12), Vec3(0, 0, 0.01)); }},
     // Their lowest corner, edge or face half a millimetre above z = 0.
-    NamedShape{"soft_spike", [] { return moved(refined(make_cone(0.008, 0.025, 12, -1), 2), Vec3(0, 0, 0.0005)); }},
-    NamedShape{"soft_wedge", [] { return moved(refined(make_wedge(0.008, 0.02, 0.015, -1), 3), Vec3(0, 0, 0.0005)); }},
+    NamedShape{"soft_spike", [] { return moved(split_flat(make_cone(0.008, 0.025, 12, -1), 2), Vec3(0, 0, 0.0005)); }},
+    NamedShape{"soft_wedge",
+               [] { return moved(split_flat(make_wedge(0.008, 0.02, 0.015, -1), 3), Vec3(0, 0, 0.0005)); }},
     NamedShape{"soft_cube",
                [] {
                  return box({0.01, 0.01, 0.01}, {0, 0, 0.0105}, 6);
                }},
     // Fills the groove of grooved_block to the bit.
-    NamedShape{"groove_filling", [] { return moved(refined(make_wedge(0.02, 0.02, 0.03, -1), 3), Vec3(0, 0, -0.02)); }},
+    NamedShape{"groove_filling",
+               [] { return moved(split_flat(make_wedge(0.02, 0.02, 0.03, -1), 3), Vec3(0, 0, -0.02)); }},
     // Between sides that fall by 3 in 4, its lowest edge where they meet.
-    NamedShape{"groove_wedge", [] { return refined(make_wedge(0.02, 0.015, 0.015, -1), 3); }},
+    NamedShape{"groove_wedge", [] { return split_flat(make_wedge(0.02, 0.015, 0.015, -1), 3); }},
     NamedShape{"skids", [] { return turned(make_skids(0.02), 0.6, 0.8); }},
     // Over edges between nodes: each is off the other's middle by half an edge.
     NamedShape{"lower_bar", [] { return moved(bar_on_edge(), Vec3(0, 0.005, -bar_half_height_m)); }},
@@ -255,7 +258,7 @@ constexpr std::array shapes = {
     NamedShape{"middle_rod", [] { return moved(make_capsule(0.006, 0.02, 12), Vec3(0.002, 0, 0.0465)); }},
     NamedShape{"spike", [] { return make_cone(0.01, 0.04, 24, 1); }},
     NamedShape{"cracked_block", [] { return make_cracked_block(0.006, 0.02); }},
-    NamedShape{"grooved_block", [] { return refined(make_cracked_block(0.02, 0.02), 2); }},
+    NamedShape{"grooved_block", [] { return split_flat(make_cracked_block(0.02, 0.02), 2); }},
     NamedShape{"holed_plate", make_holed_plate},
     NamedShape{"fine_plate",
                [] {
