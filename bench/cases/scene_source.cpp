@@ -96,6 +96,7 @@ SceneRequest request_of(const SceneChoice& choice) {
   request.loop_overrides = choice.loop_overrides;
   request.effect_overrides = choice.effect_overrides;
   request.motion_overrides = choice.motion_overrides;
+  request.mesh_overrides = choice.mesh_overrides;
   request.fibres = choice.fibres;
   request.notes_obstacles = choice.notes_obstacles;
   request.auto_effects = choice.auto_effects;

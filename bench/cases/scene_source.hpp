@@ -20,6 +20,7 @@ struct SceneChoice {
   std::map<std::string, ParameterValue> loop_overrides;
   std::vector<EffectOverride> effect_overrides = {};
   std::map<std::string, ParameterValue> motion_overrides = {};
+  std::map<std::string, ParameterValue> mesh_overrides = {};
   std::optional<FibreRequest> fibres = {};                     ///< over the scene's
   bool notes_obstacles = false;                                ///< see SceneRequest
   bool auto_effects = false;                                   ///< as if the scene said `effects = "auto"`

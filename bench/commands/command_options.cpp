@@ -24,6 +24,8 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
   command.add_option(
       "--motion", options.motion,
       "Motion of the turning bones: from_deg=, to_deg= or course=there|there_and_back; overrides the scene");
+  command.add_option("--meshes", options.meshes,
+                     "Finer meshes: split_muscles=TIMES or smooth_bones=TIMES; overrides the scene; may be repeated");
   command.add_option("--data", options.choice.data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
   command
       .add_option("--frames", options.frames,
@@ -45,6 +47,7 @@ std::map<std::string, ParameterValue> loop_overrides(const SceneOptions& options
 SceneChoice choice_of(const SceneOptions& options) {
   SceneChoice choice = options.choice;
   choice.loop_overrides = loop_overrides(options);
+  choice.mesh_overrides = parse_assignments(options.meshes, "--meshes", mesh_parameters());
   choice.motion_overrides = parse_assignments(options.motion, "--motion", motion_parameters());
   return choice;
 }

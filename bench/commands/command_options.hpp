@@ -17,6 +17,7 @@ struct SceneOptions {
   SceneChoice choice;
   std::vector<std::string> loop;
   std::vector<std::string> motion;
+  std::vector<std::string> meshes;
   int frames = 0;  ///< 0: the preset's
 };
 

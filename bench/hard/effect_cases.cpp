@@ -281,9 +281,8 @@ HardCell refinement(const HardRequest& request) {
     std::vector<MovedScene> runs;
     const int most = request.whole ? 2 : 1;
     for (int times = 0; times <= most; ++times) {
-      Scene scene = load({"hard/pressed_tube"});
-      if (times > 0) refine_muscle(scene, times);
-      runs.push_back(moved_in_time(request, std::move(scene), most + 1));
+      runs.push_back(moved_in_time(
+          request, load({.name = "hard/pressed_tube", .meshes = {{"split_muscles", std::int64_t{times}}}}), most + 1));
       figures.add_tight_run(runs.back(), fmt::format("{} triangles", runs.back().scene.muscle_mesh.triangles.size()),
                             {});
     }

@@ -8,15 +8,14 @@
 #include <fmt/format.h>
 
 #include "core/mesh/surface_volume.hpp"
-#include "core/scene/attachment_area.hpp"
 #include "core/scene/prepare_simulation.hpp"
-#include "datasets/sharp_shapes.hpp"
 
 namespace musclebench {
 
 Scene load(const LoadedScene& scene) {
   SceneChoice choice = scene_of(scene.name);
   choice.loop_overrides = scene.loop;
+  choice.mesh_overrides = scene.meshes;
   for (const auto& [effect, values] : scene.effects) {
     choice.effect_overrides.push_back({.location = "hard case", .name = effect, .values = values});
   }
@@ -89,20 +88,6 @@ void move_straight(Scene& scene, std::size_t bone, const StraightCourse& course)
 void place_bone(Scene& scene, std::size_t bone, const Vec3& by_m, const Vec3& scale) {
   for (TriangleMesh* mesh : {&scene.bones[bone].surface.mesh, &scene.bone_meshes[bone].mesh}) {
     for (Vec3& vertex : mesh->vertices) vertex = vertex.cwiseProduct(scale) + by_m;
-  }
-}
-
-void refine_muscle(Scene& scene, int times) {
-  const Muscle coarse = scene.muscles.front();
-  const TriangleMesh mesh = refined(scene.muscle_mesh, times);
-  scene.muscles.clear();
-  scene.muscle_mesh = {};
-  Muscle& muscle = scene.add_muscle(coarse.body.name, mesh);
-  muscle.fibres = coarse.fibres;
-  muscle.fibres_between_attachments = coarse.fibres_between_attachments;
-  for (Attachment& attachment : scene.attachments) {
-    const Bone& bone = scene.bones[static_cast<std::size_t>(attachment.bone)];
-    attachment.nodes = nodes_over_area(mesh.vertices, bone.surface.mesh, attachment.area);
   }
 }
 

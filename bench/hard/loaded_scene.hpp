@@ -16,6 +16,7 @@ struct LoadedScene {
   std::map<std::string, ParameterValue> loop = {};
   /// Effects with their values, added where the scene lacks them.
   std::map<std::string, std::map<std::string, ParameterValue>> effects = {};
+  std::map<std::string, ParameterValue> meshes = {};
 };
 
 /// Throws InputError.
@@ -56,9 +57,6 @@ void move_straight(Scene& scene, std::size_t bone, const StraightCourse& course)
 
 /// The bone as it rests, elsewhere or as thick as `scale` makes it.
 void place_bone(Scene& scene, std::size_t bone, const Vec3& by_m, const Vec3& scale = Vec3::Ones());
-
-/// Each triangle of the only muscle split in four, `times` times; attachments bind what lies over their areas.
-void refine_muscle(Scene& scene, int times);
 
 /// The same scene with its two muscles in the other order, and the largest difference of a node between two such runs.
 void swap_muscles(Scene& scene);

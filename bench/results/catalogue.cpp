@@ -144,6 +144,7 @@ Json catalogue() {
           {"responses", responses},
           {"effects", effects},
           {"loop", json_of(loop_parameters())},
+          {"meshes", json_of(mesh_parameters())},
           {"presets", json_of_presets()},
           {"scenes", json_of_scenes()},
           {"results", results_schema_json()}};

@@ -170,7 +170,8 @@ Json json_of_case(const Case& resolved, std::string_view mode) {
                {"repetition", resolved.repetition},
                {"attachment", attachment_mode(resolved.scene)},
                {"effects", json_of_effects(resolved.scene)},
-               {"loop", json_of_loop(resolved.scene.loop)}};
+               {"loop", json_of_loop(resolved.scene.loop)},
+               {"meshes", json_of(mesh_values(resolved.scene.mesh_splits))}};
   const auto& with_bones = resolved.colliders.with_bones;
   add_by_bone(json, "bone_backends", resolved.scene, [&](std::size_t pair) {
     return pair < with_bones.size() && with_bones[pair] ? json_of(*with_bones[pair]) : Json();

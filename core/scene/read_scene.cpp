@@ -13,6 +13,7 @@
 #include "core/effects/effect_registry.hpp"
 #include "core/mesh/mesh_size.hpp"
 #include "core/mesh/morton_order.hpp"
+#include "core/mesh/split_mesh.hpp"
 #include "core/mesh/surface_volume.hpp"
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh_repair/weld_mesh.hpp"
@@ -63,6 +64,22 @@ SceneMesh read_scene_mesh(const SceneRequest& request, const TomlTable& table) {
   place_mesh(table, result);
   result.sha256 = sha256_of(result.mesh);
   return result;
+}
+
+void replace_mesh(SceneMesh& mesh, TriangleMesh by) {
+  mesh.mesh = std::move(by);
+  mesh.sha256 = sha256_of(mesh.mesh);
+}
+
+/// Before each is split in four `times` times.
+void require_few_triangles(const TomlTable& table, const SceneMesh& mesh, int times) {
+  constexpr std::size_t most = 20'000'000;
+  const std::size_t triangles = mesh.mesh.triangles.size() << (2 * times);
+  if (triangles <= most) return;
+  throw InputError(mesh_location(table, mesh),
+                   fmt::format("would have {} triangles after [meshes], more than {}; split "
+                               "it less often",
+                               triangles, most));
 }
 
 /// The keys of a body's table: `own`, and those that place its mesh.
@@ -126,6 +143,12 @@ void read_bones(const SceneRequest& request, const TomlTable& root, Scene& scene
     }
     SceneMesh mesh = read_scene_mesh(request, table);
     Bone bone{name, repair_mesh(mesh.mesh, mesh_location(table, mesh))};
+    if (const int times = scene.mesh_splits.smooth_bones; times > 0) {
+      // A repaired surface is wound alike, which tells where it is smooth.
+      require_few_triangles(table, mesh, times);
+      bone.surface.mesh = split_curved(bone.surface.mesh, times);
+      replace_mesh(mesh, bone.surface.mesh);
+    }
     // What is near a node is then in few pages and cache lines, whatever order a file has.
     sort_in_morton_order(bone.surface.mesh);
     require_volume(table, mesh, bone.surface.mesh);
@@ -189,6 +212,11 @@ void read_muscles(const SceneRequest& request, const TomlTable& root, Scene& sce
       throw InputError(table.location("name"), fmt::format("'{}' is the name of a bone; choose another", name));
     }
     SceneMesh file = read_scene_mesh(request, table);
+    if (const int times = scene.mesh_splits.split_muscles; times > 0) {
+      // Before welding, so that the vertices of the file stay the first ones of what a run writes.
+      require_few_triangles(table, file, times);
+      replace_mesh(file, split_flat(std::move(file.mesh), times));
+    }
     refuse_same_mesh(table, file, scene);
     WeldedMesh welded = weld_mesh(file.mesh, mesh_location(table, file));
     Muscle& muscle = scene.add_muscle(name, welded.mesh);
@@ -227,6 +255,13 @@ Parameters checked(const std::vector<ParameterSpec>& specs, const std::optional<
     }
   }
   return {specs, merged_values(preset, scene), scene ? scene->location() : "preset"};
+}
+
+Parameters with_overrides(const std::vector<ParameterSpec>& specs, const Parameters& of_files,
+                          const std::map<std::string, ParameterValue>& overrides, std::string_view option) {
+  std::map<std::string, ParameterValue> values = of_files.values();
+  for (const auto& [key, value] : overrides) values[key] = value;
+  return {specs, values, option};
 }
 
 /// The table `[effects]`; none where `effects = "auto"` stands in its place.
@@ -351,7 +386,7 @@ Scene read_scene(const SceneRequest& request) {
   const toml::table text = parse_scene(request);
   const TomlTable root(text, request.file, "");
   root.allow_only({"title", "preset", "bone", "muscle", "pair", "attachment", "contact", "effects", "loop", "measure",
-                   "time_step_change"});
+                   "meshes", "time_step_change"});
 
   Scene scene;
   scene.name = request.name;
@@ -370,12 +405,14 @@ Scene read_scene(const SceneRequest& request) {
   if (const auto own = root.table("loop"); own && own->has("damping_per_s")) {
     throw InputError(own->location("damping_per_s"), "is an effect: write `[effects.damping]` with `rate_per_s`");
   }
-  const Parameters loop = checked(loop_parameters(), preset.table("loop"), root.table("loop"));
-  auto loop_values = loop.values();
-  for (const auto& [key, value] : request.loop_overrides) {
-    loop_values[key] = value;
-  }
-  scene.loop = loop_from(Parameters(loop_parameters(), loop_values, "--loop"));
+  scene.loop =
+      loop_from(with_overrides(loop_parameters(), checked(loop_parameters(), preset.table("loop"), root.table("loop")),
+                               request.loop_overrides, "--loop"));
+  const Parameters meshes =
+      with_overrides(mesh_parameters(), checked(mesh_parameters(), std::nullopt, root.table("meshes")),
+                     request.mesh_overrides, "--meshes");
+  scene.mesh_splits = {.split_muscles = static_cast<int>(meshes.integer("split_muscles")),
+                       .smooth_bones = static_cast<int>(meshes.integer("smooth_bones"))};
   read_time_step_changes(root, scene.loop);
   require_motion(request, root.table("loop"), scene.loop);
   const auto contact = root.table("contact");

@@ -119,6 +119,26 @@ std::vector<std::vector<FibreSegment>> Scene::fibres_with(const std::vector<Boun
   return fibres;
 }
 
+std::vector<ParameterSpec> mesh_parameters() {
+  // Four splits are 256 triangles for one.
+  return {parameter::integer({.name = "split_muscles",
+                              .default_value = 0,
+                              .minimum = 0,
+                              .maximum = 4,
+                              .help = "how often each triangle of the muscles is split in four: more nodes on the same "
+                                      "surface"}),
+          parameter::integer({.name = "smooth_bones",
+                              .default_value = 0,
+                              .minimum = 0,
+                              .maximum = 4,
+                              .help = "how often each triangle of the bones is split in four, on a smooth surface "
+                                      "through their vertices; creases of more than 60 degrees stay"})};
+}
+
+std::map<std::string, ParameterValue> mesh_values(const MeshSplits& splits) {
+  return {{"split_muscles", std::int64_t{splits.split_muscles}}, {"smooth_bones", std::int64_t{splits.smooth_bones}}};
+}
+
 std::vector<ParameterSpec> loop_parameters() {
   return {
       parameter::integer({.name = "frames",

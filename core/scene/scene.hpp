@@ -44,10 +44,16 @@ struct SceneEffect {
 struct SceneMesh {
   std::string reference;      ///< the text in the scene
   std::string sha256;         ///< hash of the coordinates and indices of `mesh`
-  TriangleMesh mesh;          ///< in metres, at the place that the scene gives it; not repaired
+  TriangleMesh mesh;          ///< in metres, at the place that the scene gives it; not repaired, but as fine as it asks
   std::string location = {};  ///< file and line of its table, for messages
   bool has_unit = false;      ///< the scene gives its unit or scale
   MeshPlacement placement = {};
+};
+
+/// How often each triangle of the meshes is split in four: `[meshes]`.
+struct MeshSplits {
+  int split_muscles = 0;  ///< on the triangles (split_flat)
+  int smooth_bones = 0;   ///< on a curved surface through the vertices (split_curved)
 };
 
 /// A muscle of a scene: its file, and its nodes and triangles in the mesh of all muscles.
@@ -134,6 +140,7 @@ struct Scene {
   std::vector<EffectExclusion> exclusions;
   AutoEffects auto_effects;
   LoopParameters loop;
+  MeshSplits mesh_splits;                         ///< that the meshes have already
   std::optional<ResponseKind> response;           ///< none: the default of the backend
   int response_steps = default_projection_steps;  ///< steps of `project`, and of corrections between muscles
   std::string response_steps_location = {};       ///< where the scene sets them, for messages
@@ -184,6 +191,11 @@ struct Scene {
 
 /// Whether the scene has the effect `name`.
 bool has_effect(const Scene& scene, std::string_view name);
+
+/// The parameters of the `[meshes]` table.
+std::vector<ParameterSpec> mesh_parameters();
+/// Their values, by name.
+std::map<std::string, ParameterValue> mesh_values(const MeshSplits& splits);
 
 /// The parameters of the `[loop]` table.
 std::vector<ParameterSpec> loop_parameters();

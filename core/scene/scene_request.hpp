@@ -43,6 +43,7 @@ struct SceneRequest {
   std::map<std::string, ParameterValue> loop_overrides;         ///< values for `[loop]`, from the command line
   std::vector<EffectOverride> effect_overrides;                 ///< changes to effects, from the command line
   std::map<std::string, ParameterValue> motion_overrides = {};  ///< values for the motions of all moving bones
+  std::map<std::string, ParameterValue> mesh_overrides = {};    ///< values for `[meshes]`
   std::optional<FibreRequest> fibres = {};                      ///< replaces `[measure] fibres`
   bool auto_effects = false;                                    ///< reads the scene as with `effects = "auto"`
   /// Continue if something prevents a run but not a look at the scene. `Scene::obstacles` then names it.

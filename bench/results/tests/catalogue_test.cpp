@@ -54,13 +54,14 @@ void expect_parameters(const Json& parameters) {
 
 TEST(Catalogue, HasTheKeysOfItsSchema) {
   const Json json = catalogue();
-  EXPECT_EQ(keys_of(json), (Keys{"schema", "version", "git", "backends", "responses", "effects", "loop", "presets",
-                                 "scenes", "results"}));
+  EXPECT_EQ(keys_of(json), (Keys{"schema", "version", "git", "backends", "responses", "effects", "loop", "meshes",
+                                 "presets", "scenes", "results"}));
   EXPECT_EQ(json["schema"], 1);
   for (const char* key : {"backends", "responses", "effects", "presets", "scenes"}) {
     EXPECT_FALSE(json[key].empty()) << key;
   }
   expect_parameters(json["loop"]);
+  expect_parameters(json["meshes"]);
   for (const Json& effect : json["effects"]) {
     EXPECT_EQ(keys_of(effect), (Keys{"name", "help", "parameters"}));
     expect_parameters(effect["parameters"]);

@@ -156,6 +156,9 @@ std::string resolved_scene_text(const SceneRequest& request, const Scene& scene)
   }
   text << "\n[loop]\n";
   for (const auto& [key, value] : loop_values(scene.loop)) text << fmt::format("{} = {}\n", key, toml_text_of(value));
+  text << "\n[meshes]\n";
+  for (const auto& [key, value] : mesh_values(scene.mesh_splits))
+    text << fmt::format("{} = {}\n", key, toml_text_of(value));
   if (scene.fibre_count > 0) text << fmt::format("\n[measure]\nfibres = {}\n", scene.fibre_count);
   for (const SceneEffect& effect : scene.effects) text << effect_text(scene, effect);
   for (const char* key : {"time_step_change", "contact", "bone", "muscle", "attachment", "pair"})

@@ -160,6 +160,22 @@ TEST(ForeignScene, AMuscleIsTheSameWhateverItsFormat) {
   }
 }
 
+TEST(ForeignScene, ASplitMuscleIsTheSameWhateverItsFormat) {
+  Meshes meshes;
+  const std::string text = plain_text() + "[meshes]\nsplit_muscles = 1\n";
+  const Scene plain = scene_of(text, meshes);
+  for (const TriangleMesh& shipped : {soup_of(meshes.ball), with_seam(meshes.ball)}) {
+    Meshes foreign = meshes;
+    foreign.ball = shipped;
+    const Scene scene = scene_of(text, foreign);
+    EXPECT_EQ(scene.muscle_mesh.vertices.size(), plain.muscle_mesh.vertices.size());
+    EXPECT_EQ(MeshEdges(scene.muscle_mesh).count(), MeshEdges(plain.muscle_mesh).count());
+    // What a run writes begins with the vertices of the file.
+    EXPECT_TRUE(
+        std::equal(shipped.vertices.begin(), shipped.vertices.end(), scene.muscles[0].file.mesh.vertices.begin()));
+  }
+}
+
 TEST(ForeignScene, VerticesThatNoTriangleUsesAreNoNodes) {
   Meshes meshes;
   meshes.ball.vertices.insert(meshes.ball.vertices.begin(), Vec3(0, 0, 0));  // in the middle of the box

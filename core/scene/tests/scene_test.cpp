@@ -116,6 +116,35 @@ TEST(ReadScene, TheMotionGoesThereAndBack) {
   EXPECT_LT((poses[0].apply(Vec3(1, 0, 0)) - Vec3(0, 1, 0)).norm(), 1e-15);
 }
 
+TEST(ReadScene, MeshesAreSplitAsOftenAsSceneOrRequestSay) {
+  const std::string text = std::string("preset = \"soft\"\n") + bones_and_muscle;
+  const Scene plain = read_scene(request_of(text));
+  SceneRequest request = request_of(text + "[meshes]\nsplit_muscles = 1\nsmooth_bones = 1\n");
+  request.mesh_overrides = {{"split_muscles", std::int64_t{2}}};
+  const Scene fine = read_scene(request);
+  EXPECT_EQ(fine.mesh_splits.split_muscles, 2);
+  EXPECT_EQ(fine.mesh_splits.smooth_bones, 1);
+  EXPECT_EQ(fine.muscle_mesh.triangles.size(), 16 * plain.muscle_mesh.triangles.size());
+  EXPECT_TRUE(std::equal(plain.muscle_mesh.vertices.begin(), plain.muscle_mesh.vertices.end(),
+                         fine.muscle_mesh.vertices.begin()));
+  EXPECT_EQ(fine.muscles[0].file.mesh.triangles.size(), fine.muscle_mesh.triangles.size());
+  EXPECT_NE(fine.muscles[0].file.sha256, plain.muscles[0].file.sha256);
+  EXPECT_EQ(fine.bones[0].surface.mesh.triangles.size(), 4 * plain.bones[0].surface.mesh.triangles.size());
+  EXPECT_EQ(fine.bones[0].surface.clean, plain.bones[0].surface.clean);
+  EXPECT_NE(fine.bone_meshes[0].sha256, plain.bone_meshes[0].sha256);
+  expect_one_line(error_of(text + "[meshes]\nsplit = 1\n"), {"test.toml:", "split", "did you mean 'split_muscles'?"});
+  expect_one_line(error_of(text + "[meshes]\nsplit_muscles = 9\n"), {"test.toml:", "split_muscles"});
+}
+
+TEST(ReadScene, MoreTrianglesThanFitAreRefused) {
+  SceneRequest request = request_of(std::string("preset = \"soft\"\n") + bones_and_muscle);
+  request.synthetic_mesh = [](const std::string& name) {
+    return name == "box" ? make_box(Vec3(0.02, 0.03, 0.01), 4) : make_sphere(0.01, 6);
+  };
+  request.mesh_overrides = {{"split_muscles", std::int64_t{4}}};
+  expect_one_line(error_of(request), {"test.toml:", "ball", "20971520 triangles after [meshes]", "less often"});
+}
+
 constexpr const char* box_without_motion = "[[bone]]\nname = \"box\"\nmesh = \"synthetic:box\"\n";
 constexpr const char* ball = "[muscle]\nname = \"ball\"\nmesh = \"synthetic:ball\"\n";
 

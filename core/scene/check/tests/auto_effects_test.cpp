@@ -112,6 +112,7 @@ TEST(ResolvedScene, IsTheSameSceneWithoutPresetOrAuto) {
                                     "[effects]\nauto = true\nbending = false\n[effects.tunnelling_guard]\n"
                                     "rule = \"angle\"\n");
   request.loop_overrides = {{"substeps", std::int64_t{5}}};
+  request.mesh_overrides = {{"split_muscles", std::int64_t{1}}};
   const Scene scene = resolved(request);
   SceneRequest again = request_of(scene.auto_effects.resolved_text);
   again.preset_text = {};
@@ -121,6 +122,7 @@ TEST(ResolvedScene, IsTheSameSceneWithoutPresetOrAuto) {
   EXPECT_FALSE(read.auto_effects.wanted);
   EXPECT_EQ(loop_values(read.loop), loop_values(scene.loop));
   EXPECT_EQ(read.loop.substeps, 5);
+  EXPECT_EQ(read.mesh_splits.split_muscles, 1);
   EXPECT_EQ(names(read), names(scene));
   for (std::size_t i = 0; i < std::min(read.effects.size(), scene.effects.size()); ++i) {
     EXPECT_EQ(read.effects[i].parameters.values(), scene.effects[i].parameters.values()) << scene.effects[i].name;
