@@ -16,6 +16,8 @@ Scene scene_of(const RecordingHeader& header, const RecordedSceneOptions& option
   choice.preset = header.preset;
   choice.data = options.data;
   choice.loop_overrides = header.loop_overrides;
+  choice.motion_overrides = header.motion_overrides;
+  choice.mesh_overrides = header.mesh_overrides;
   return load_scene(choice);
 }
 

@@ -27,6 +27,9 @@ RecordingHeader recording_header(const Case& resolved, const SceneOptions& optio
   header.scene_source = source_of(options.choice);
   header.preset = options.choice.preset;
   header.loop_overrides = loop_overrides(options);
+  const SceneChoice choice = choice_of(options);
+  header.motion_overrides = choice.motion_overrides;
+  header.mesh_overrides = choice.mesh_overrides;
   header.scene_sha256 = scene_hash(scene);
   header.backend = resolved.backend.name;
   header.build = build_info().git;

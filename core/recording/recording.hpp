@@ -23,6 +23,8 @@ struct RecordingHeader {
   std::string scene_source;  ///< how the user named it: an embedded scene or an absolute path of a .toml file
   std::string preset;        ///< asked for; empty: the scene's own
   std::map<std::string, ParameterValue> loop_overrides;
+  std::map<std::string, ParameterValue> motion_overrides = {};
+  std::map<std::string, ParameterValue> mesh_overrides = {};
   std::string scene_sha256;  ///< of the resolved scene
   std::string backend;       ///< which the run was made with
   std::string build;         ///< of the program that recorded

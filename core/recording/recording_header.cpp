@@ -31,6 +31,25 @@ ParameterValue parameter_of(const Json& json) {
   return json.get<std::string>();
 }
 
+using Values = std::map<std::string, ParameterValue>;
+
+Values values_of(const Json& json) {
+  Values values;
+  for (const auto& [key, value] : json.items()) values[key] = parameter_of(value);
+  return values;
+}
+
+/// Where a file may lack them.
+Values values_of(const Json& json, const char* key) { return json.contains(key) ? values_of(json.at(key)) : Values{}; }
+
+Json json_of(const Values& values) {
+  Json json = Json::object();
+  for (const auto& [name, value] : values) {
+    std::visit([&, &key = name](const auto& held) { json[key] = held; }, value);
+  }
+  return json;
+}
+
 /// A count as the file has it; what is no whole number of that type's range is refused, not bent.
 int count_of(const Json& value) {
   if (!value.is_number_integer() || value.get<std::int64_t>() < 0 ||
@@ -45,9 +64,9 @@ RecordingHeader header_of(const Json& json) {
   header.scene = json.at("scene");
   header.scene_source = json.at("scene_source");
   header.preset = json.at("preset");
-  for (const auto& [key, value] : json.at("loop_overrides").items()) {
-    header.loop_overrides[key] = parameter_of(value);
-  }
+  header.loop_overrides = values_of(json.at("loop_overrides"));
+  header.motion_overrides = values_of(json, "motion_overrides");
+  header.mesh_overrides = values_of(json, "mesh_overrides");
   header.scene_sha256 = json.at("scene_sha256");
   header.backend = json.at("backend");
   header.build = json.at("build");
@@ -84,14 +103,10 @@ double rounding_step_m(double scene_diagonal_m) {
 }
 
 std::string text_of(const RecordingHeader& header) {
-  Json overrides = Json::object();
-  for (const auto& [name, value] : header.loop_overrides) {
-    std::visit([&, &key = name](const auto& v) { overrides[key] = v; }, value);
-  }
   Json json = {{"scene", header.scene},
                {"scene_source", header.scene_source},
                {"preset", header.preset},
-               {"loop_overrides", overrides},
+               {"loop_overrides", json_of(header.loop_overrides)},
                {"scene_sha256", header.scene_sha256},
                {"backend", header.backend},
                {"build", header.build},
@@ -105,6 +120,8 @@ std::string text_of(const RecordingHeader& header) {
                {"angles_deg", header.angles_deg},
                {"free_nodes", header.free_nodes}};
   if (header.muscle_contact) json["muscle_contact"] = true;
+  if (!header.motion_overrides.empty()) json["motion_overrides"] = json_of(header.motion_overrides);
+  if (!header.mesh_overrides.empty()) json["mesh_overrides"] = json_of(header.mesh_overrides);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

@@ -132,6 +132,8 @@ TEST_F(Recording, OfMusclesThatTouchNoneIsTheSameToTheByte) {
 }
 
 TEST_F(Recording, ReadsBackTheHeader) {
+  m_header.motion_overrides = {{"to_deg", 30.0}};
+  m_header.mesh_overrides = {{"split_muscles", std::int64_t{1}}};
   const RecordingFile written = write();
   const RecordingReader reader(m_file);
   const RecordingHeader& header = reader.header();
@@ -139,6 +141,8 @@ TEST_F(Recording, ReadsBackTheHeader) {
   EXPECT_EQ(header.scene_source, m_header.scene_source);
   EXPECT_EQ(header.preset, m_header.preset);
   EXPECT_EQ(header.loop_overrides, m_header.loop_overrides);
+  EXPECT_EQ(header.motion_overrides, m_header.motion_overrides);
+  EXPECT_EQ(header.mesh_overrides, m_header.mesh_overrides);
   EXPECT_EQ(header.scene_sha256, m_header.scene_sha256);
   EXPECT_EQ(header.backend, m_header.backend);
   EXPECT_EQ(header.build, m_header.build);
