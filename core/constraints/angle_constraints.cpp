@@ -1,5 +1,6 @@
 #include "core/constraints/angle_constraints.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "core/base/arc_tangent.hpp"
@@ -28,6 +29,7 @@ struct AngleSlots {
   const std::int32_t* right;
   const double* rest_sine;
   const double* rest_cosine;
+  const double* compliance_share;  ///< null where all are 1
   const double* gate;
   const double* least_gate;
   const double* most_gate;
@@ -47,7 +49,7 @@ namespace musclebench::HWY_NAMESPACE {
 void project_angles(AngleSlots slots, std::size_t first, std::size_t last, NodeRow* rows) {
   const Lanes d;
   const Lane one = hn::Set(d, 1);
-  const Lane compliance = hn::Set(d, slots.compliance);
+  Lane compliance = hn::Set(d, slots.compliance);
   const bool is_compliant = slots.multiplier != nullptr;
   for (std::size_t i = first; i < last; i += lane_count) {
     const NodeLanes start = load_nodes(rows, slots.start + i);
@@ -112,6 +114,9 @@ void project_angles(AngleSlots slots, std::size_t first, std::size_t last, NodeR
       sum = hn::IfThenElse(tips_move, sum, hn::Max(sum, least_sum));
       acts = hn::And(acts, hn::Gt(sum, hn::Zero(d)));
     }
+    if (slots.compliance_share != nullptr) {
+      compliance = hn::Mul(hn::Set(d, slots.compliance), hn::LoadU(d, slots.compliance_share + i));
+    }
     const Lane multiplier = slots.has_multipliers ? hn::LoadU(d, slots.multiplier + i) : hn::Zero(d);
     if (hn::AllFalse(d, acts)) {
       if (is_compliant) hn::StoreU(multiplier, d, slots.multiplier + i);
@@ -150,6 +155,9 @@ AngleConstraints::AngleConstraints(std::span<const AngleConstraint> constraints,
       m_rest_cosine(by_slot(m_order, 1, [&](std::size_t i) { return constraints[i].rest_cosine; })),
       m_multipliers(settings.compliance_rad_per_n_m > 0 ? m_order.size() : 0),
       m_settings(settings) {
+  if (std::ranges::any_of(constraints, [](const auto& constraint) { return constraint.compliance_share != 1; })) {
+    m_compliance_share = by_slot(m_order, 1, [&](std::size_t i) { return constraints[i].compliance_share; });
+  }
   if (!settings.has_ratio_gate) return;
   for (std::size_t slot = 0; slot < m_order.size(); ++slot) {
     const double angle_rad = arc_tangent2(m_rest_sine[slot], m_rest_cosine[slot]);
@@ -173,6 +181,7 @@ void AngleConstraints::project(NodeRows& rows, double time_step_s, const Team& t
                          .right = m_order.row_offsets(3),
                          .rest_sine = m_rest_sine.data(),
                          .rest_cosine = m_rest_cosine.data(),
+                         .compliance_share = m_compliance_share.empty() ? nullptr : m_compliance_share.data(),
                          .gate = m_gate.data(),
                          .least_gate = m_least_gate.data(),
                          .most_gate = m_most_gate.data(),

@@ -13,6 +13,7 @@ struct AngleConstraint {
   std::array<int, 4> nodes;  ///< start and end of the edge, third corner on its left and on its right
   double rest_sine;
   double rest_cosine;
+  double compliance_share = 1;  ///< multiplies the compliance of the settings
 };
 
 struct AngleSettings {
@@ -41,6 +42,7 @@ class AngleConstraints {
  private:
   ConstraintOrder<4> m_order;
   std::vector<double> m_rest_sine, m_rest_cosine;
+  std::vector<double> m_compliance_share;  ///< empty where all are 1
   std::vector<double> m_gate, m_least_gate, m_most_gate;
   std::vector<double> m_multipliers;  ///< Lagrange multipliers (XPBD) of the substep; empty without a compliance
   bool m_has_multipliers = false;

@@ -71,6 +71,7 @@ class Activation final : public Effect {
 
 std::unique_ptr<Effect> make_activation(const EffectInput& input, const Parameters& parameters) {
   const double compliance = parameters.number("compliance_m_per_n");
+  const bool is_per_area = parameters.flag("per_area");
   std::vector<LengthConstraint> constraints;
   std::vector<EdgeParts> parts;
   for (const SurfaceEdge& edge : surface_edges(input.mesh)) {
@@ -81,7 +82,8 @@ std::unique_ptr<Effect> make_activation(const EffectInput& input, const Paramete
     if (alignment < least_alignment) continue;
     const double squared_m2 = (end - start).squaredNorm();
     const double along_m2 = alignment * alignment * squared_m2;
-    constraints.push_back({{edge.start, edge.end}, std::sqrt(squared_m2), 1, compliance / alignment});
+    const double share = is_per_area ? alignment * relative_area(input.mesh, edge) : alignment;
+    constraints.push_back({{edge.start, edge.end}, std::sqrt(squared_m2), 1, compliance / share});
     parts.push_back({along_m2, std::max(0.0, squared_m2 - along_m2)});
   }
   const Course course{parameters.number("start_s"), parameters.number("rise_s"), parameters.number("hold_s"),
@@ -112,6 +114,7 @@ std::vector<ParameterSpec> activation_parameters() {
                              .minimum = 0,
                              .maximum = 1e6,
                              .help = "compliance of an edge along the fibres (XPBD), larger for other edges; 0: none"}),
+          per_area_flag("edge"),
           seconds("start_s", 0, "time at which the activation begins to rise, from the start of the run"),
           seconds("rise_s", 0.1, "duration of the rise"),
           seconds("hold_s", longest_s, "duration at the full level"),

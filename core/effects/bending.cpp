@@ -29,13 +29,15 @@ std::optional<AngleConstraint> angle_at_rest(const std::vector<Vec3>& x, const S
 
 std::vector<AngleConstraint> bending_constraints(const EffectInput& input, const Parameters& parameters) {
   const double skipped_rad = parameters.number("skip_flatter_than_rad");
+  const bool is_per_area = parameters.flag("per_area");
   const FixedNodes fixed(input);
   std::vector<AngleConstraint> constraints;
   for (const SurfaceEdge& edge : surface_edges(input.mesh)) {
     if (edge.left < 0 || edge.right < 0) continue;
     if (fixed.are_all(std::array{edge.start, edge.end, edge.left, edge.right})) continue;
-    const std::optional<AngleConstraint> angle = angle_at_rest(input.mesh.vertices, edge);
+    std::optional<AngleConstraint> angle = angle_at_rest(input.mesh.vertices, edge);
     if (!angle || (skipped_rad > 0 && angle->rest_cosine > portable::cos(skipped_rad))) continue;
+    if (is_per_area) angle->compliance_share = relative_area(input.mesh, edge);
     constraints.push_back(*angle);
   }
   return constraints;
@@ -62,6 +64,7 @@ std::vector<ParameterSpec> bending_parameters() {
                          .minimum = 0,
                          .maximum = 1e12,
                          .help = "compliance of the angle (XPBD); 0: none"}),
+      per_area_flag("hinge"),
       parameter::flag(
           {.name = "public_code_ratio_gate",
            .default_value = false,

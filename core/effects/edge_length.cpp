@@ -23,6 +23,7 @@ std::vector<LengthConstraint> edge_length_constraints(const EffectInput& input, 
   const double stiffness = parameters.number("stiffness");
   const double compliance = parameters.number("compliance_m_per_n");
   const double exponent = parameters.number("anisotropy_exponent");
+  const bool is_per_area = parameters.flag("per_area");
   const FixedNodes fixed(input);
   std::vector<LengthConstraint> constraints;
   for (const SurfaceEdge& edge : surface_edges(input.mesh)) {
@@ -31,12 +32,13 @@ std::vector<LengthConstraint> edge_length_constraints(const EffectInput& input, 
     const Vec3& end = input.mesh.vertices[edge.end];
     const std::vector<FibreSegment>& fibres = input.fibres[body_of(input.bodies, edge.start)];
     const double across = fibres.empty() ? 1 : across_fibres(fibres, start, end, exponent);
+    const double share = is_per_area ? across * relative_area(input.mesh, edge) : across;
     if (stiffness * across > 0) {
       // A compliant edge is softened by its compliance alone, else it would be softened twice.
       constraints.push_back({{edge.start, edge.end},
                              (end - start).norm(),
                              compliance > 0 ? stiffness : stiffness * across,
-                             compliance / across});
+                             compliance / share});
     }
   }
   return constraints;
@@ -63,6 +65,7 @@ std::vector<ParameterSpec> edge_length_parameters() {
            .minimum = 0,
            .maximum = 1e6,
            .help = "compliance across the fibres (XPBD), divided by the factor of the anisotropy; 0: none"}),
+      per_area_flag("edge"),
       parameter::number({.name = "anisotropy_exponent",
                          .default_value = 0.5,
                          .minimum = 0,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <numeric>
 
@@ -80,6 +81,26 @@ std::vector<SurfaceEdge> surface_edges(const TriangleMesh& mesh) {
     coloured.push_back(edges[edge]);
   }
   return coloured;
+}
+
+double relative_area(const TriangleMesh& mesh, const SurfaceEdge& edge) {
+  constexpr double least = 1e-6;
+  const double of_equilateral = std::sqrt(3.0) / 2;
+  const Vec3 along = mesh.vertices[edge.end] - mesh.vertices[edge.start];
+  double area_m2 = 0;
+  for (const int corner : {edge.left, edge.right}) {
+    if (corner >= 0) area_m2 += 0.5 * along.cross(mesh.vertices[corner] - mesh.vertices[edge.start]).norm();
+  }
+  const double length2_m2 = along.squaredNorm();
+  return length2_m2 > 0 ? std::max(area_m2 / (of_equilateral * length2_m2), least) : least;
+}
+
+ParameterSpec per_area_flag(const std::string& constraint) {
+  return parameter::flag({.name = "per_area",
+                          .default_value = false,
+                          .help = "the compliance is that of one " + constraint +
+                                  " between equilateral triangles, and others get theirs by area and length, so that "
+                                  "the surface is as stiff on every mesh"});
 }
 
 }  // namespace musclebench

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
+#include "core/base/parameters.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
@@ -18,5 +20,16 @@ struct SurfaceEdge {
 /// share a vertex (of start, end, left, right), so that successive Gauss-Seidel steps do not depend on each other's
 /// result. Of a non-manifold edge the last triangle on each side counts.
 std::vector<SurfaceEdge> surface_edges(const TriangleMesh& mesh);
+
+/// The area of the triangles beside an edge over the square of its length, relative to that of an edge between
+/// equilateral triangles: 1 there, a half at a border, and at least 1e-6, so that it divides.
+///
+/// With it a compliance is one of the surface, whatever its mesh. Springs whose stiffness is multiplied by it are a
+/// membrane with one Young's modulus (Van Gelder 1998, "Approximate simulation of elastic membranes by triangulated
+/// spring meshes"). Hinges whose stiffness is divided by it are a plate with one bending stiffness (Grinspun and others
+/// 2003, "Discrete shells"). Both are exact for equilateral triangles.
+double relative_area(const TriangleMesh& mesh, const SurfaceEdge& edge);
+/// The parameter of an effect with a compliance: whether it is one of the surface. `constraint`: edge or hinge.
+ParameterSpec per_area_flag(const std::string& constraint);
 
 }  // namespace musclebench

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -174,6 +176,50 @@ TEST(EdgeLengthCompliance, GrowsAlongTheFibres) {
   expect_close(p.predicted, f.solved_as_published(published, iterations), 1e-12);
 }
 
+/// Of the triangles that have both ends, by Heron's formula, over the same of equilateral triangles.
+double published_share(const TriangleMesh& mesh, const std::vector<int>& ends) {
+  const auto length_m = [&](int a, int b) { return (mesh.vertices[a] - mesh.vertices[b]).norm(); };
+  double area_m2 = 0;
+  for (const auto& [i, j, k] : mesh.triangles) {
+    if (std::ranges::count(std::array{i, j, k}, ends[0]) + std::ranges::count(std::array{i, j, k}, ends[1]) < 2)
+      continue;
+    const double a = length_m(i, j), b = length_m(j, k), c = length_m(k, i), s = (a + b + c) / 2;
+    area_m2 += std::sqrt(s * (s - a) * (s - b) * (s - c));
+  }
+  const double side_m = length_m(ends[0], ends[1]);
+  return area_m2 / (2 * std::sqrt(3.0) / 4 * side_m * side_m);
+}
+
+TEST(EdgeLengthCompliance, PerAreaIsThatOfTheTrianglesBesideIt) {
+  Bruised f;
+  for (Vec3& vertex : f.mesh.vertices) vertex.z() *= 1.7;  // far from equilateral
+  std::vector<PublishedConstraint> published = f.published_lengths(edge_compliance);
+  for (PublishedConstraint& constraint : published) constraint.compliance /= published_share(f.mesh, constraint.nodes);
+  const auto effect = f.make("edge_length", {{"compliance_m_per_n", edge_compliance}, {"per_area", true}});
+  Nodes p = f.start;
+  start_substep(*effect, p, f);
+  iterate(*effect, p, f, iterations);
+  expect_close(p.predicted, f.solved_as_published(published, iterations), 1e-12);
+}
+
+/// A surface that grows by the same share everywhere takes the same energy on any mesh of the same area.
+TEST(EdgeLengthCompliance, PerAreaMakesTheEnergyOfGrowthOneOfTheArea) {
+  for (const double height_m : {0.1, 1.0, 7.0}) {
+    TriangleMesh mesh = make_box(Vec3(0.5, 0.5, height_m), 3);
+    double sum_m2 = 0;
+    for (const SurfaceEdge& edge : surface_edges(mesh)) {
+      sum_m2 += relative_area(mesh, edge) * (mesh.vertices[edge.end] - mesh.vertices[edge.start]).squaredNorm();
+    }
+    const double area_m2 = 2 + 8 * height_m;
+    EXPECT_NEAR(sum_m2, 2 * std::sqrt(3.0) * area_m2, 1e-12 * area_m2);
+  }
+}
+
+TEST(EdgeLengthCompliance, PerAreaStaysFiniteWhereTrianglesHaveNone) {
+  const TriangleMesh flat{{{0, 0, 0}, {1, 0, 0}, {0.5, 0, 0}, {0.5, 0, 0}}, {{0, 1, 2}, {2, 3, 2}}};
+  for (const SurfaceEdge& edge : surface_edges(flat)) EXPECT_EQ(relative_area(flat, edge), 1e-6);
+}
+
 /// A second substep from the same start ends as the first did.
 template <typename Muscle>
 void expect_multipliers_of_the_substep(Effect& used, Muscle& f) {
@@ -203,8 +249,9 @@ struct Folded : Fixture {
     start.inverse_masses = {1.0, 0.5, 2.0, 1.5};
   }
 
-  std::vector<Vec3> solved(double part, int times, double compliance = angle_compliance) {
-    const auto effect = make("bending", {{"stiffness", part}, {"compliance_rad_per_n_m", compliance}});
+  std::vector<Vec3> solved(double part, int times, double compliance = angle_compliance, bool is_per_area = false) {
+    const auto effect =
+        make("bending", {{"stiffness", part}, {"compliance_rad_per_n_m", compliance}, {"per_area", is_per_area}});
     Nodes p = start;
     start_substep(*effect, p, *this);
     iterate(*effect, p, *this, times);
@@ -236,6 +283,15 @@ TEST(BendingCompliance, StiffnessScalesEveryStep) {
   expect_close(f.solved(0.5, iterations), f.solved_as_published(0.5, iterations), 1e-8);
 }
 
+TEST(BendingCompliance, PerAreaIsThatOfTheTrianglesBesideIt) {
+  Folded f(1.2);
+  for (Vec3& vertex : f.mesh.vertices) vertex = vertex.cwiseProduct(Vec3(1, 2, 2));
+  const double share = published_share(f.mesh, {0, 1});
+  ASSERT_GT(share, 1.5);
+  expect_close(f.solved(1, iterations, angle_compliance, true),
+               f.solved_as_published(1, iterations, angle_compliance * share), 1e-8);
+}
+
 TEST(BendingCompliance, WithoutComplianceItIsPbd) {
   Folded f(1.2);
   expect_close(f.solved(0.5, iterations, 0), f.solved_as_published(0.5, iterations, 0), 1e-8);
@@ -248,9 +304,10 @@ TEST(BendingCompliance, MultipliersAreThoseOfTheSubstep) {
 }
 
 /// Rest lengths are those of edges that have shortened to 0.7 along the fibre and are 1 / sqrt(0.7) as long across.
-TEST(ActivationCompliance, EveryIterationIsThatOfXpbdOnShortenedEdges) {
+void expect_activation_as_published(bool is_per_area) {
   const Vec3 fibre = Vec3(1, 2, 3).normalized();
   Bruised f({{-fibre, fibre}});
+  for (Vec3& vertex : f.mesh.vertices) vertex.z() *= is_per_area ? 1.7 : 1;
   std::vector<PublishedConstraint> published;
   for (const SurfaceEdge& edge : surface_edges(f.mesh)) {
     const Vec3 side = f.mesh.vertices[edge.end] - f.mesh.vertices[edge.start];
@@ -258,18 +315,24 @@ TEST(ActivationCompliance, EveryIterationIsThatOfXpbdOnShortenedEdges) {
     const double cosine = along.norm() / side.norm();
     if (cosine < 0.5) continue;
     const double length_m = (0.7 * along + (side - along) / std::sqrt(0.7)).norm();
-    published.push_back(published_length(edge.start, edge.end, length_m, edge_compliance / cosine));
+    const double share = is_per_area ? published_share(f.mesh, {edge.start, edge.end}) : 1;
+    published.push_back(published_length(edge.start, edge.end, length_m, edge_compliance / (cosine * share)));
   }
   ASSERT_GT(published.size(), 20U);
   for (int times = 1; times <= iterations; ++times) {
-    const auto effect =
-        f.make("activation", {{"compliance_m_per_n", edge_compliance}, {"shortening", 0.3}, {"rise_s", 0.0}});
+    const auto effect = f.make(
+        "activation",
+        {{"compliance_m_per_n", edge_compliance}, {"shortening", 0.3}, {"rise_s", 0.0}, {"per_area", is_per_area}});
     Nodes p = f.start;
     start_substep(*effect, p, f);
     iterate(*effect, p, f, times);
     expect_close(p.predicted, f.solved_as_published(published, times), 1e-12);
   }
 }
+
+TEST(ActivationCompliance, EveryIterationIsThatOfXpbdOnShortenedEdges) { expect_activation_as_published(false); }
+
+TEST(ActivationCompliance, PerAreaIsThatOfTheTrianglesBesideIt) { expect_activation_as_published(true); }
 
 /// A compliance that comes with an effect wants a test against the published formula.
 TEST(Compliance, TheseTestsKnowAllThereAre) {
