@@ -1,20 +1,24 @@
 #!/usr/bin/python3
 """Refines each source of error of a scene alone and writes the budget. Options: musclebench/options/budget.py."""
 
+import math
 import sys
 from dataclasses import replace
 
-from musclebench.budget.budget_report import write_report
+from musclebench.budget.budget_report import budgets_of, write_report
+from musclebench.budget.choice import choices_of, hold, in_words, resolutions
+from musclebench.cases.scene import Scene
 from musclebench.cases.study_command import end, folders_of
-from musclebench.experiments.experiment_file import ExperimentFile, of_project
-from musclebench.experiments.running import limits_of, sweep_of
+from musclebench.experiments.experiment_file import CaseGroup, ExperimentFile, of_project
+from musclebench.experiments.running import Sweep, limits_of, sweep_of
 from musclebench.experiments.selection import check_backend
+from musclebench.experiments.swept_case import SweptCase
 from musclebench.figures import looks
 from musclebench.options.budget import parse_arguments
 from musclebench.options.shared import check_options
 from musclebench.program.cli import Problem, run_command
 from musclebench.program.registry import Registry, read_registry
-from musclebench.results.run_folder import ResultProblem
+from musclebench.results.run_folder import ResultProblem, Run, read_run
 from musclebench.tables.table_formats import as_text
 
 
@@ -22,10 +26,14 @@ def asked(file: ExperimentFile, options, registry: Registry) -> ExperimentFile:
     """With factors that double up to --finest, and the backends of --backend."""
     groups = []
     for group in file.groups:
-        changes = {key: doubled(getattr(group, key), options.finest) for key in ("times_substeps", "times_iterations") if getattr(group, key)}
+        changes: dict = {key: doubled(getattr(group, key), options.finest) for key in ("times_substeps", "times_iterations") if getattr(group, key)}
+        if group.name == "muscle_mesh":  # beside the two finest runs of the time step
+            changes["times_substeps"] = doubled((1.0,), options.finest)[-2:]
         if group.name == "collision" and options.backend:
             changes["backends"] = tuple(check_backend(name, registry) for name in options.backend)
         groups.append(replace(group, **changes))
+    if options.error_mm is not None:
+        groups.append(resolutions(next(group for group in groups if group.name == "collision"), registry))
     return replace(file, groups=tuple(groups))
 
 
@@ -41,16 +49,39 @@ def run_and_report(arguments) -> int:
     check_options(options, "budget")
     if options.finest < 2:
         raise Problem(f"--finest {options.finest}: nothing is refined; it must be 2 or more")
+    if options.error_mm is not None and not 0 < options.error_mm < math.inf:
+        raise Problem(f"--error-mm {options.error_mm:g}: must be above zero")
     folders, registry = folders_of(options, "budget"), read_registry(options.musclebench)
     looks.know(registry)
-    sweep = sweep_of(asked(file, options, registry), options, registry, folders)
+    file = asked(file, options, registry)
+    sweep = sweep_of(file, options, registry, folders)
     problems = sweep.run(sweep.cases, limits_of(options))
-    done = sweep.done(*(group.name for group in file.groups))
-    if not done:
+    runs = read(sweep, file)
+    if not runs:
         return end("budget", [], problems)
-    table, sentences, files = write_report(done, folders.out_dir)
+    budgets, chosen = budgets_of(runs), []
+    if options.error_mm is not None:
+        choices = {scene: choice for scene, one in budgets.items() if not isinstance(one, str)
+                   and (choice := choices_of(one, {case: run for case, run in runs.items() if case.scene == scene}))}
+
+        def run_case(scene: Scene, group: CaseGroup) -> Run | None:
+            wider = replace(file, groups=(*file.groups, group))
+            more = sweep_of(wider, options, registry, folders)
+            more = replace(more, cases=[case for case in more.cases if not isinstance(case, SweptCase) or case.group != group or case.scene == scene])
+            problems.extend(more.run(more.of(group.name), limits_of(options)))
+            return next(iter(read(more, wider, group.name).values()), None)
+
+        pattern = next(group for group in file.groups if group.name == "collision")
+        tried = hold(choices, options.error_mm, pattern, run_case)
+        chosen = [in_words(choices[scene], options.error_mm, candidates) for scene, candidates in tried.items()]
+    table, sentences, files = write_report(runs, budgets, chosen, folders.out_dir)
     print("\n" + "\n".join([as_text(table), "", *sentences]))
     return end("budget", files, problems, folders.out_dir)
+
+
+def read(sweep: Sweep, file: ExperimentFile, *groups: str) -> dict[SweptCase, Run]:
+    """The complete ones."""
+    return {case: read_run(folder) for case, folder in sweep.done(*(groups or (group.name for group in file.groups))).items()}
 
 
 def main(arguments=None) -> int:

@@ -24,7 +24,7 @@ def parse_arguments():
     parser.add_argument("command", choices=["run", "record", "replay", "probe", "list"])
     parser.add_argument("input", nargs="?")
     parser.add_argument("--json", action="store_true")
-    for option in ("--backend", "--preset", "--out", "--data", "--snapshots", "--threads", "--frames", "--stride", "--effects",
+    for option in ("--backend", "--preset", "--out", "--data", "--snapshots", "--threads", "--frames", "--meshes", "--stride", "--effects",
                    "--band-mm", "--points"):
         parser.add_argument(option)
     parser.add_argument("--repetition", type=int)

@@ -11,7 +11,7 @@ import budget
 import fake_registry
 import fake_runs
 from fake_sweep import swept
-from musclebench.budget import budget_report, sources, substeps_table
+from musclebench.budget import budget_report, choice, sources, substeps_table
 from musclebench.budget.sources import Budget, Setting, Source
 from musclebench.cases.case import Folders
 from musclebench.experiments.selection import usual_backend
@@ -38,7 +38,8 @@ def study(tmp_path, monkeypatch, capfd):
     return run
 
 
-ALL = ["iliacus-collision-sdf", "iliacus-iterations=2", "iliacus-start-1", "iliacus-start-2", "iliacus-start-3",
+ALL = ["iliacus-bone_mesh=16", "iliacus-bone_mesh=4", "iliacus-collision-sdf", "iliacus-iterations=2",
+       "iliacus-muscle_mesh=4-substeps=3", "iliacus-muscle_mesh=4-substeps=6", "iliacus-start-1", "iliacus-start-2", "iliacus-start-3",
        "iliacus-substeps=1", "iliacus-substeps=2", "iliacus-substeps=3", "iliacus-substeps=6"]
 
 
@@ -47,12 +48,13 @@ def test_complete_runs_are_kept_and_the_table_has_a_row_a_source(study, tmp_path
     assert code == 0, errors
     assert called == ALL
     rows = pd.read_csv(tmp_path / "out" / "tables" / "budget.csv")
-    assert list(rows["source"]) == ["time step", "iterations", "collision, distance field (sdf)", "rounding"]
-    assert list(rows["setting"])[:2] == ["3 substeps", "1 iteration"]
+    assert list(rows["source"]) == ["time step", "iterations", "muscle mesh", "bone mesh", "collision, distance field (sdf)", "rounding"]
+    assert list(rows["setting"])[:4] == ["3 substeps", "1 iteration", "its triangles, 6 substeps", "its triangles"]
+    assert list(rows["reference"])[2:4] == ["4 times the triangles, 6 substeps", "16 times the triangles"]
     assert (tmp_path / "out" / "tables" / "budget.txt").read_text().strip() in text
     assert "synthetic/iliacus: no source moves the shape by more than rounding" in text
     assert study()[3] == []
-    assert study("--finest", "4")[3] == ["iliacus-iterations=4", "iliacus-substeps=12"]
+    assert study("--finest", "4")[3] == ["iliacus-iterations=4", "iliacus-muscle_mesh=4-substeps=12", "iliacus-substeps=12"]
 
 
 def test_a_scene_of_several_muscles_takes_part(study):
@@ -75,8 +77,9 @@ def test_only_what_is_refined_differs(tmp_path):
     for case in swept("budget", scene):
         told = dict(word.split("=") for word in case.arguments(Folders(tmp_path)) if "=" in word)
         assert set(told) == {"time_step": {"substeps", "time_step_s"}, "iterations": {"iterations"}, "collision": set(),
-                             "rounding": {"start_noise_m"}}[case.group.name]
-        if case.group.name == "time_step":
+                             "rounding": {"start_noise_m"}, "muscle_mesh": {"split_muscles", "substeps", "time_step_s"},
+                             "bone_mesh": {"smooth_bones"}}[case.group.name]
+        if "substeps" in told:
             assert int(told["substeps"]) * float(told["time_step_s"]) == pytest.approx(3e-3)
         assert case.steps == case.frames * int(told.get("substeps", 3)) * int(told.get("iterations", 1))
 
@@ -226,8 +229,9 @@ def test_the_control_and_the_exact_are_no_sources(tmp_path):
 
 @pytest.mark.parametrize(("bad", "told"), [
     ("substeps=3", "no budget: the exact run of the scene's own setting ended with the status diverged"),
-    ("substeps=", "no budget"), ("iterations", ("time step",)), ("start", "rounding not known"),
-    ("substeps=6 substeps=12 substeps=24", ("iterations",))])
+    ("substeps=", "no budget"), ("iterations", ("time step", "muscle mesh", "bone mesh")), ("start", "rounding not known"),
+    ("substeps=6 substeps=12 substeps=24", ("iterations", "bone mesh")), ("muscle_mesh=4-substeps=12", ("time step", "iterations", "bone mesh")),
+    ("bone_mesh=4 bone_mesh=16", ("time step", "iterations", "muscle mesh"))])
 def test_a_budget_is_told_of_what_ended_well(tmp_path, bad, told):
     runs = runs_of(tmp_path, fake_registry.scene("lhdl/iliacus"),
                    lambda name: "diverged" if any(name.endswith(word) or (word in name and word[-1] in "=st") for word in bad.split()) else "ok")
@@ -239,6 +243,42 @@ def test_a_budget_is_told_of_what_ended_well(tmp_path, bad, told):
     else:
         refined_names = [source.name for source in found.sources if source.is_refined]
         assert refined_names == list(told)
+
+
+def of_muscles(folder: Path, off_mm: dict[str, list[float]]):
+    """A run of several muscles, each vertex so far from the origin."""
+    vertices_m = np.array([[1e-3 * off, 0, 0] for offs in off_mm.values() for off in offs])
+    shots = [fake_runs.Snapshot(10, 90.0, vertices_m, np.zeros(len(vertices_m)), np.zeros(len(vertices_m)))]
+    return read_run(fake_runs.write_run(folder, "lhdl/hip", "bvh", triangles=TRIANGLES, snapshots=shots,
+                                        muscles={name: len(offs) for name, offs in off_mm.items()}))
+
+
+def test_a_finer_mesh_is_compared_at_the_vertices_of_the_coarse_one(tmp_path):
+    """Those of each muscle are followed by its new ones."""
+    coarse = of_muscles(tmp_path / "coarse", {"a": [0, 0, 0], "b": [10, 10]})
+    fine = of_muscles(tmp_path / "fine", {"a": [1, 1, 1, 90, 90], "b": [12, 12, 70]})
+    for ours, theirs in ((coarse, fine), (fine, coarse)):
+        assert list(sources.node_distances_mm(ours, theirs)) == pytest.approx([1, 1, 1, 2, 2])
+    other = of_muscles(tmp_path / "other", {"a": [0, 0, 0, 10], "b": [10, 10], "c": [5, 5]})
+    assert sources.node_distances_mm(coarse, other) is None
+
+
+@pytest.mark.parametrize(("nearly_mm", "settled"), [(3.5, True), (1.0, False)])
+def test_the_finer_muscle_mesh_is_off_by_what_its_time_step_still_moves(tmp_path, nearly_mm, settled):
+    own, fine = Setting("its triangles", 1.0, moved(tmp_path / "own", 0.0)), Setting("4 times", 2.0, moved(tmp_path / "fine", 4.0))
+    source = Source("muscle mesh", [own, fine], own, fine, nearly=moved(tmp_path / "nearly", nearly_mm))
+    assert source.errors()["shape_mm"] == pytest.approx(4.0) and source.left_mm() == pytest.approx(4.0 - nearly_mm)
+    assert source.has_settled() == settled and source.halving() is None
+
+
+def test_meshes_are_refined_where_the_time_step_is_finest(tmp_path):
+    runs = runs_of(tmp_path, fake_registry.scene("lhdl/iliacus"), lambda name: "ok")
+    found = {source.name: source for source in budget_report.budget_of(runs).sources}
+    by_name = {case.name: run for case, run in runs.items()}
+    mesh, bones = found["muscle mesh"], found["bone mesh"]
+    assert mesh.own.run is by_name["iliacus-substeps=24"] and mesh.reference.run is by_name["iliacus-muscle_mesh=4-substeps=24"]
+    assert mesh.nearly is by_name["iliacus-muscle_mesh=4-substeps=12"]
+    assert [one.factor for one in bones.settings] == [1, 2, 4] and bones.reference.run is by_name["iliacus-bone_mesh=16"]
 
 
 def test_figures_of_two_runs_differ_by_what_they_differ_in(tmp_path):
@@ -278,3 +318,64 @@ def test_bars_show_the_floor_and_what_is_below_it(tmp_path, monkeypatch):
     assert [bar.get_width() for bar in first.containers[0]] == [3.2, 0.02, 0.004]
     assert len({bar.get_facecolor() for bar in first.containers[0]}) == 2
     assert draw_budget(rows.iloc[:0], tmp_path / "none") == []
+
+
+OFF_MM = {"substeps=1": 8.0, "substeps=3": 4.0, "substeps=6": 2.0, "substeps=12": 1.0, "substeps=24": 0.5, "collision-sdf": 4.3, "collision-voxel": 24.0}
+MS = {"substeps=1": 1.0, "substeps=3": 2.0, "substeps=6": 4.0, "substeps=12": 8.0, "substeps=24": 16.0, "collision-sdf": 1.0, "collision-voxel": 0.4}
+
+
+def choices_with(tmp_path, **status):
+    """Shapes off by 12 mm over the substeps; a field that is 0.3 mm off in half of the time, and voxels that are 20 mm off."""
+    looks.know(fake_registry.registry())
+    scene, runs = fake_registry.scene("lhdl/iliacus"), {}
+    for case in swept("budget", scene):
+        name = case.name.removeprefix("iliacus-")
+        if name in OFF_MM:
+            runs[case] = moved(tmp_path / name, OFF_MM[name], 1e6 * MS[name], case.configuration.backend, status.get(name.partition("-")[2], "ok"))
+    return scene, choice.choices_of(budget_report.budget_of(runs), runs)
+
+
+def test_the_fastest_that_is_expected_to_hold_is_tried_first(tmp_path):
+    _, found = choices_with(tmp_path)
+    assert found.left_mm == pytest.approx(0.5) and found.error_mm(found.budget.own) == pytest.approx(4.0)
+    assert found.within(4.5)[0].words == "3 substeps with sdf"
+    assert [one.words for one in choice.tries(found, 2.2)] == ["6 substeps with the exact backend"], "with the field 2.3 mm are expected"
+    assert [one.words for one in choice.tries(found, 2.4)] == ["6 substeps with sdf", "6 substeps with the exact backend"]
+    assert found.within(2.4)[0].expected_mm == pytest.approx(2.3) and found.within(2.4)[0].expected_ms == pytest.approx(2.0)
+    assert list(choice.tries(found, 0.4)) == []
+
+
+def test_what_is_told_to_hold_was_run(tmp_path):
+    """The field with 6 substeps is 2.6 mm off, and not 2.3 as expected: the exact backend is told, with why."""
+    scene, found = choices_with(tmp_path)
+    pattern, asked = next(case.group for case in swept("budget", scene) if case.group.name == "collision"), []
+
+    def run_case(of, group, off_mm):
+        asked.append((of, group))
+        return moved(tmp_path / f"chosen{off_mm}", off_mm, 2e6, "sdf")
+
+    tried = choice.hold({scene: found}, 2.4, pattern, lambda of, group: run_case(of, group, 2.6))
+    text = choice.in_words(found, 2.4, tried[scene])
+    assert text.startswith("lhdl/iliacus: 6 substeps with the exact backend hold 2.4 mm: 2 mm from the limit of the time step, judged by a run")
+    assert "6 substeps with sdf was expected to, and was 2.6 mm off" in text
+    (_, group), = asked
+    assert group.backends == ("sdf",) and {"substeps=6", "time_step_s=0.0005"} <= set(group.options)
+    tried = choice.hold({scene: found}, 2.4, pattern, lambda of, group: run_case(of, group, 2.1))
+    assert choice.in_words(found, 2.4, tried[scene]).startswith("lhdl/iliacus: 6 substeps with sdf hold 2.4 mm: 2.1 mm")
+    tried = choice.hold({scene: found}, 2.4, pattern, lambda of, group: None)
+    assert "6 substeps with the exact backend hold" in choice.in_words(found, 2.4, tried[scene])
+    assert "nothing that was run holds 0.4 mm; the least is 0.5 mm" in choice.in_words(found, 0.4, [])
+
+
+def test_a_backend_that_diverged_is_not_chosen(tmp_path):
+    _, found = choices_with(tmp_path, sdf="diverged")
+    assert all(one.configuration is None for one in found.within(4.5))
+
+
+def test_the_tool_runs_what_it_tells(study, tmp_path):
+    code, text, errors, called = study("--error-mm", "1")
+    assert code == 0, errors
+    assert any("resolution-sdf" in name for name in called) and "hold 1 mm" in text
+    assert "hold 1 mm" in (tmp_path / "out" / "tables" / "budget.txt").read_text()
+    assert study("--error-mm", "1")[3] == [], "what was chosen is kept"
+    assert study("--error-mm", "-1")[2].count("\n") == 1

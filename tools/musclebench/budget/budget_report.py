@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from ..cases.scene import Scene
 from ..experiments.caveats import caveats
 from ..experiments.swept_case import SweptCase
 from ..figures import looks
@@ -12,7 +13,7 @@ from ..figures.budget import draw_budget, draw_substeps
 from ..program.fingerprint import write_whole
 from ..program.optional_packages import left_out_without
 from ..results.disturbance import disturbed, note
-from ..results.run_folder import Run, read_run
+from ..results.run_folder import Run
 from ..results.status import MEASURED
 from ..tables.table_formats import Column, Table, write_table
 from . import substeps_table
@@ -39,21 +40,24 @@ CAPTION = (
     "the volume, of its volume at rest; difference of the largest depth of the surface; joint torque and peak pressure in percent of "
     "the other run's. Rounding: the largest difference of starts that are off by 1 to 3e-12 m; a source below it tells nothing. Order "
     "p: the shape's error falls as 1 / refinement^p; empty where the last steps don't agree on one. Reference off by: how far the "
-    "finest shape is itself from the limit, by Richardson's rule where there is an order, else its last step. Halved by: the first "
-    "finer setting with at most half of the shape's error; empty where refining has not settled. Times are medians over the frames of "
+    "finest shape is itself from the limit, by Richardson's rule where there is an order, else its last step; of the finer muscle mesh, "
+    "what its last doubling of the substeps moved. Halved by: the first finer setting with at most half of the shape's error; empty where "
+    "refining has not settled. Times are medians over the frames of "
     "one run each, with forces told. Settling before the motion keeps its number of substeps."
 )
 SETTINGS_CAPTION = "The runs of the budget: what each setting moves, from the finest of its source or from the exact run, and its time."
 
 
-def write_report(done: dict[SweptCase, Path], out_dir: Path) -> tuple[Table, list[str], list[Path]]:
-    """`done`: the complete cases of bench/experiments/budget.toml and their folders. Beside the table a sentence a scene."""
-    runs = {case: read_run(folder) for case, folder in done.items()}
-    sentences, budgets = [], []
-    for scene in dict.fromkeys(case.scene for case in runs):
-        found = budget_of({case: run for case, run in runs.items() if case.scene == scene})
-        sentences.append(found if isinstance(found, str) else in_words(found))
-        budgets += [] if isinstance(found, str) else [found]
+def budgets_of(runs: dict[SweptCase, Run]) -> dict[Scene, Budget | str]:
+    """Of each scene; a sentence that says why where there is none. `runs`: of bench/experiments/budget.toml."""
+    return {scene: budget_of({case: run for case, run in runs.items() if case.scene == scene})
+            for scene in dict.fromkeys(case.scene for case in runs)}
+
+
+def write_report(runs: dict[SweptCase, Run], found: dict[Scene, Budget | str], chosen: list[str], out_dir: Path) -> tuple[Table, list[str], list[Path]]:
+    """`chosen`: sentences about what holds a bound. Beside the table a sentence a scene, and those."""
+    budgets = [one for one in found.values() if not isinstance(one, str)]
+    sentences = [one if isinstance(one, str) else in_words(one) for one in found.values()] + chosen
     table = _table("budget", CAPTION, COLUMNS, [row for budget in budgets for row in _rows(budget)])
     settings = _table("settings", SETTINGS_CAPTION, SETTING_COLUMNS, [row for budget in budgets for row in _setting_rows(budget)])
     substeps = substeps_table.table([run for case, run in sorted(runs.items(), key=lambda one: _count(one[0], "substeps"))
@@ -78,14 +82,15 @@ def _table(name: str, caption: str, columns: list[Column], rows: list[dict[str, 
 def budget_of(runs: dict[SweptCase, Run]) -> Budget | str:
     """Of one scene; a sentence that says why where there is none."""
     scene = next(iter(runs)).scene
-    own = next((run for case, run in runs.items() if case.group.name == "time_step" and _count(case, "substeps") == scene.substeps), None)
+    own = _by_count("time_step", "substeps", runs).get(scene.substeps)
     if own is None:
         return f"{scene.key}: no budget: the exact run of the scene's own setting is missing."
     if own.status not in MEASURED:
         return f"{own.scene}: no budget: the exact run of the scene's own setting ended with the status {own.status}."
     sources = [source for source in (
-        _refined("time step", "time_step", "substeps", scene.substeps, runs, own),
-        _refined("iterations", "iterations", "iterations", scene.iterations // scene.substeps, runs, own)) if source]
+        _refined("time step", _by_count("time_step", "substeps", runs), scene.substeps, own, "substep"),
+        _refined("iterations", _by_count("iterations", "iterations", runs), scene.iterations // scene.substeps, own, "iteration"),
+        _of_muscle_mesh(runs), _of_bone_mesh(runs, own)) if source]
     exact = Setting(looks.title_and_name(own.backend), 1.0, own)
     for case, run in runs.items():
         if case.group.name == "collision" and run.backend != own.backend and not looks.backend(run.backend).is_control:
@@ -96,13 +101,39 @@ def budget_of(runs: dict[SweptCase, Run]) -> Budget | str:
     return Budget(own.scene, own.muscle, own, sources, starts)
 
 
-def _refined(name: str, group: str, axis: str, own: int, runs: dict[SweptCase, Run], exact: Run) -> Source | None:
+def _refined(name: str, counts: dict[int, Run], own: int, exact: Run, unit: str) -> Source | None:
+    counts = counts | {own: exact}
+    return _usable(name, [Setting(f"{count} {unit}{'s' if count > 1 else ''}", count / own, counts[count]) for count in sorted(counts)], exact)
+
+
+def _of_bone_mesh(runs: dict[SweptCase, Run], exact: Run) -> Source | None:
+    """Each refinement halves the edges."""
+    counts = _by_count("bone_mesh", "bone_mesh", runs)
+    finer = [Setting(f"{count} times the triangles", math.sqrt(count), counts[count]) for count in sorted(counts)]
+    return _usable("bone mesh", [Setting("its triangles", 1.0, exact), *finer], exact)
+
+
+def _of_muscle_mesh(runs: dict[SweptCase, Run]) -> Source | None:
+    """Beside the scene's own mesh at the same time step: the finest at which both were run, and with half as many substeps. None
+    where one of these did not end well."""
+    coarse, fine = _by_count("time_step", "substeps", runs), _by_count("muscle_mesh", "substeps", runs)
+    both = sorted(count for count, run in fine.items() if count in coarse and run.status in MEASURED and coarse[count].status in MEASURED)
+    if len(both) < 2:
+        return None
+    own = Setting(f"its triangles, {both[-1]} substeps", 1.0, coarse[both[-1]])
+    finer = Setting(f"4 times the triangles, {both[-1]} substeps", 2.0, fine[both[-1]])
+    return Source("muscle mesh", [own, finer], own, finer, nearly=fine[both[-2]])
+
+
+def _usable(name: str, settings: list[Setting], exact: Run) -> Source | None:
     """None where nothing finer ended well."""
-    counts = {_count(case, axis): run for case, run in runs.items() if case.group.name == group} | {own: exact}
-    settings = [Setting(f"{count} {axis if count > 1 else axis[:-1]}", count / own, counts[count]) for count in sorted(counts)]
     usable = [one for one in settings if one.is_usable]
     mine = next(one for one in usable if one.run is exact)
     return Source(name, usable, mine, usable[-1]) if usable[-1].factor > 1 else None
+
+
+def _by_count(group: str, axis: str, runs: dict[SweptCase, Run]) -> dict[int, Run]:
+    return {_count(case, axis): run for case, run in runs.items() if case.group.name == group}
 
 
 def _count(case: SweptCase, axis: str) -> int:

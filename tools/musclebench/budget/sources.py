@@ -42,6 +42,7 @@ class Source:
     settings: list[Setting]  # usable ones, coarse to fine, each from `own` on with twice the factor of the one before
     own: Setting  # that of the scene
     reference: Setting
+    nearly: Run | None = None  # the reference with a coarser setting of another source, which it needs finer than the scene has it
 
     @property
     def is_refined(self) -> bool:
@@ -61,11 +62,15 @@ class Source:
     def has_settled(self) -> bool:
         """Refining further would change little: an order is seen, or the last step is clearly shorter than the one before."""
         steps = self._steps_mm
+        if self.nearly is not None:
+            return self.left_mm() * SETTLING <= steps[-1]
         return not math.isnan(self.order()) or (len(steps) > 1 and steps[-1] * SETTLING <= steps[-2])
 
     def left_mm(self) -> float:
         """How far the finest shape is itself from the limit: by Richardson's rule where an order is seen, else its last step.
         0 of a reference that is exact."""
+        if self.nearly is not None:
+            return shape_mm(self.nearly, self.reference.run)
         if not self.is_refined:
             return 0.0
         last, order = self._steps_mm[-1], self.order()
@@ -109,17 +114,22 @@ def shape_mm(run: Run, reference: Run) -> float:
 
 
 def node_distances_mm(run: Run, reference: Run) -> npt.NDArray[np.float64] | None:
-    """Of each node at full flexion; None where one of the runs came to an end before."""
+    """Of each node at full flexion that both runs have; None where one of the runs came to an end before. The vertices of a mesh
+    are the first ones of a finer mesh."""
     ours, theirs = flexed(run), flexed(reference)
-    if ours is None or theirs is None or ours.shape != theirs.shape:
+    if ours is None or theirs is None or len(ours) != len(theirs):
         return None
-    return np.asarray(1e3 * np.linalg.norm(ours - theirs, axis=1))
+    both = [(mine[:count], other[:count]) for mine, other in zip(ours, theirs) for count in [min(len(mine), len(other))]]
+    return np.asarray(np.concatenate([1e3 * np.linalg.norm(mine - other, axis=1) for mine, other in both]))
 
 
-def flexed(run: Run) -> npt.NDArray[np.float64] | None:
-    """Vertices in the first snapshot: that of full flexion. None where the run came to an end before."""
+def flexed(run: Run) -> list[npt.NDArray[np.float64]] | None:
+    """Vertices of each muscle in the first snapshot: that of full flexion. None where the run came to an end before."""
     stored = sorted(run.record.get("snapshots") or [], key=lambda shot: shot["frame"])
-    return read_ply(run.folder / stored[0]["file"]).vertices_m if stored else None
+    if not stored:
+        return None
+    ends = np.cumsum([muscle["vertices"] for muscle in run.record.get("muscles") or []])
+    return np.split(read_ply(run.folder / stored[0]["file"]).vertices_m, ends[:-1])
 
 
 def _volume_percent(run: Run, reference: Run) -> float:

@@ -48,6 +48,7 @@ class CaseGroup:
     substeps: tuple[int, ...] = ()
     times_substeps: tuple[float, ...] = ()  # the scene's own, times these
     times_iterations: tuple[float, ...] = ()
+    work: float = 1.0  # of a step, in steps of the scene as it is: a guess, where meshes are finer
     rest_s: float = 0.0
     vary: tuple[tuple[str, tuple[tuple[str, tuple[str, ...]], ...]], ...] = ()
     options: tuple[str, ...] = ()
@@ -302,7 +303,8 @@ GROUP_KEYS: dict[str, tuple[bool, Callable]] = {
     "frames": (False, _list(_number(int, 1))),
     "counted_frames": (False, _number(int, 1)), "effects": (False, _list(_choice(*EFFECT_SETS))),
     "adds_effect": (False, _text), "substeps": (False, _list(_number(int, 1))),
-    "times_substeps": (False, _list(_number(float, 0.001))), "times_iterations": (False, _list(_number(float, 0.001))), "rest_s": (False, _number(float, 0)),
+    "times_substeps": (False, _list(_number(float, 0.001))), "times_iterations": (False, _list(_number(float, 0.001))),
+    "rest_s": (False, _number(float, 0)), "work": (False, _number(float, 0.001)),
     "vary": (False, _table(_table(_words_or_none))), "options": (False, _list(_text)), "stride": (False, _stride),
     "band_mm": (False, _number(float, 0.001)), "points": (False, _number(int, 1)), "replay_s": (False, _number(float, 0.001)),
     "longest_s": (False, _number(float, 0.001)), "hard_cases": (False, _list(_text)),

@@ -152,7 +152,7 @@ class SweptCase(SceneCase):
         if self.group.mode == "replay":
             return self.steps * (2 * a_step + size * JUDGING_SECONDS_A_STEP if self.is_judged else a_step)
         judging = self.frames * JUDGING_SECONDS_A_FRAME if self.is_judged else 0.0
-        return self.steps * (a_step + size * LOOP_SECONDS_A_STEP) + size * judging
+        return self.group.work * (self.steps * (a_step + size * LOOP_SECONDS_A_STEP) + size * judging)
 
     @property
     def is_too_long(self) -> bool:
