@@ -76,7 +76,7 @@ def _arguments(kind: str, data_set: str, options) -> tuple[str, ...]:
            "hard": ("--breaks-are-results",),
            "accuracy": ("--repetitions", "1", "--longest", "30",
                         *(() if data_set == "lhdl" else ("--muscle", "iliacus")))}.get(kind, ())
-    if kind == "budget":
+    if kind == "budget" and (options.quick or data_set != "lhdl"):
         names = SMOOTH_SCENES[:1] if options.quick else SMOOTH_SCENES
         own = tuple(word for name in names for word in ("--muscle", name))
     return (*own, *(quick if options.quick else ()))
