@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from musclebench.budget.budget_report import budgets_of, write_report
 from musclebench.budget.choice import choices_of, hold, in_words, resolutions
+from musclebench.budget.sources import Budget
 from musclebench.cases.scene import Scene
 from musclebench.cases.study_command import end, folders_of
 from musclebench.experiments.experiment_file import CaseGroup, ExperimentFile, of_project
@@ -61,19 +62,29 @@ def run_and_report(arguments) -> int:
         return end("budget", [], problems)
     budgets, chosen = budgets_of(runs), []
     if options.error_mm is not None:
-        choices = {scene: choice for scene, one in budgets.items() if not isinstance(one, str)
-                   and (choice := choices_of(one, {case: run for case, run in runs.items() if case.scene == scene}))}
+        asked_now = dict.fromkeys(case.scene for case in sweep.cases if isinstance(case, SweptCase))
+        found = {scene: choices_of(budget, {case: run for case, run in runs.items() if case.scene == scene}, registry)
+                 for scene in asked_now if isinstance(budget := budgets.get(scene), Budget)}
+        chosen = [f"{scene.key}: nothing can be chosen: there is no finer time step to judge by."
+                  for scene in asked_now if found.get(scene) is None]
+        choices = {scene: one for scene, one in found.items() if one is not None}
+        extra: list[CaseGroup] = []
 
-        def run_case(scene: Scene, group: CaseGroup) -> Run | None:
-            wider = replace(file, groups=(*file.groups, group))
+        def run_all(wanted: dict[Scene, CaseGroup]) -> dict[Scene, Run]:
+            extra.extend(group for group in dict.fromkeys(wanted.values()) if group not in extra)
+            wider = replace(file, groups=(*file.groups, *extra))
             more = sweep_of(wider, options, registry, folders)
-            more = replace(more, cases=[case for case in more.cases if not isinstance(case, SweptCase) or case.group != group or case.scene == scene])
-            problems.extend(more.run(more.of(group.name), limits_of(options)))
-            return next(iter(read(more, wider, group.name).values()), None)
+            mine = [case for case in more.cases if isinstance(case, SweptCase) and wanted.get(case.scene) == case.group]
+            problems.extend(replace(more, cases=[*sweep.cases, *mine]).run(mine, limits_of(options)))
+            done = read(more, wider)
+            runs.update({case: done[case] for case in mine if case in done})
+            return {case.scene: done[case] for case in mine if case in done}
 
         pattern = next(group for group in file.groups if group.name == "collision")
-        tried = hold(choices, options.error_mm, pattern, run_case)
-        chosen = [in_words(choices[scene], options.error_mm, candidates) for scene, candidates in tried.items()]
+        tried = hold(choices, options.error_mm, pattern, run_all)
+        chosen += [in_words(choices[scene], options.error_mm, candidates) for scene, candidates in tried.items()]
+        if options.frames_limit:
+            chosen.append(f"All of a motion in {options.frames_limit} frames: the whole motion may want more substeps.")
     table, sentences, files = write_report(runs, budgets, chosen, folders.out_dir)
     print("\n" + "\n".join([as_text(table), "", *sentences]))
     return end("budget", files, problems, folders.out_dir)

@@ -1,6 +1,7 @@
 """The budget of a scene: one process a case, goes on where it was stopped; each source is refined alone and compared with its finest."""
 
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -38,8 +39,8 @@ def study(tmp_path, monkeypatch, capfd):
     return run
 
 
-ALL = ["iliacus-bone_mesh=16", "iliacus-bone_mesh=4", "iliacus-collision-sdf", "iliacus-iterations=2",
-       "iliacus-muscle_mesh=4-substeps=3", "iliacus-muscle_mesh=4-substeps=6", "iliacus-start-1", "iliacus-start-2", "iliacus-start-3",
+ALL = ["iliacus-collision-sdf", "iliacus-iterations=2", "iliacus-smooth_bones=1", "iliacus-smooth_bones=2",
+       "iliacus-split_muscles=1-substeps=3", "iliacus-split_muscles=1-substeps=6", "iliacus-start-1", "iliacus-start-2", "iliacus-start-3",
        "iliacus-substeps=1", "iliacus-substeps=2", "iliacus-substeps=3", "iliacus-substeps=6"]
 
 
@@ -49,12 +50,12 @@ def test_complete_runs_are_kept_and_the_table_has_a_row_a_source(study, tmp_path
     assert called == ALL
     rows = pd.read_csv(tmp_path / "out" / "tables" / "budget.csv")
     assert list(rows["source"]) == ["time step", "iterations", "muscle mesh", "bone mesh", "collision, distance field (sdf)", "rounding"]
-    assert list(rows["setting"])[:4] == ["3 substeps", "1 iteration", "its triangles, 6 substeps", "its triangles"]
+    assert list(rows["setting"])[:4] == ["3 substeps", "1 iteration", "its own triangles, 6 substeps", "its own triangles"]
     assert list(rows["reference"])[2:4] == ["4 times the triangles, 6 substeps", "16 times the triangles"]
     assert (tmp_path / "out" / "tables" / "budget.txt").read_text().strip() in text
     assert "synthetic/iliacus: no source moves the shape by more than rounding" in text
     assert study()[3] == []
-    assert study("--finest", "4")[3] == ["iliacus-iterations=4", "iliacus-muscle_mesh=4-substeps=12", "iliacus-substeps=12"]
+    assert study("--finest", "4")[3] == ["iliacus-iterations=4", "iliacus-split_muscles=1-substeps=12", "iliacus-substeps=12"]
 
 
 def test_a_scene_of_several_muscles_takes_part(study):
@@ -230,8 +231,8 @@ def test_the_control_and_the_exact_are_no_sources(tmp_path):
 @pytest.mark.parametrize(("bad", "told"), [
     ("substeps=3", "no budget: the exact run of the scene's own setting ended with the status diverged"),
     ("substeps=", "no budget"), ("iterations", ("time step", "muscle mesh", "bone mesh")), ("start", "rounding not known"),
-    ("substeps=6 substeps=12 substeps=24", ("iterations", "bone mesh")), ("muscle_mesh=4-substeps=12", ("time step", "iterations", "bone mesh")),
-    ("bone_mesh=4 bone_mesh=16", ("time step", "iterations", "muscle mesh"))])
+    ("substeps=6 substeps=12 substeps=24", ("iterations", "bone mesh")), ("split_muscles=1-substeps=12", ("time step", "iterations", "bone mesh")),
+    ("smooth_bones=1 smooth_bones=2", ("time step", "iterations", "muscle mesh"))])
 def test_a_budget_is_told_of_what_ended_well(tmp_path, bad, told):
     runs = runs_of(tmp_path, fake_registry.scene("lhdl/iliacus"),
                    lambda name: "diverged" if any(name.endswith(word) or (word in name and word[-1] in "=st") for word in bad.split()) else "ok")
@@ -245,30 +246,38 @@ def test_a_budget_is_told_of_what_ended_well(tmp_path, bad, told):
         assert refined_names == list(told)
 
 
-def of_muscles(folder: Path, off_mm: dict[str, list[float]]):
+def of_muscles(folder: Path, off_mm: dict[str, list[float]], splits: int = 0):
     """A run of several muscles, each vertex so far from the origin."""
     vertices_m = np.array([[1e-3 * off, 0, 0] for offs in off_mm.values() for off in offs])
     shots = [fake_runs.Snapshot(10, 90.0, vertices_m, np.zeros(len(vertices_m)), np.zeros(len(vertices_m)))]
-    return read_run(fake_runs.write_run(folder, "lhdl/hip", "bvh", triangles=TRIANGLES, snapshots=shots,
-                                        muscles={name: len(offs) for name, offs in off_mm.items()}))
+    run = read_run(fake_runs.write_run(folder, "lhdl/hip", "bvh", triangles=TRIANGLES, snapshots=shots,
+                                       muscles={name: len(offs) for name, offs in off_mm.items()}))
+    run.record["case"]["meshes"] = {"split_muscles": splits}
+    return run
 
 
 def test_a_finer_mesh_is_compared_at_the_vertices_of_the_coarse_one(tmp_path):
-    """Those of each muscle are followed by its new ones."""
-    coarse = of_muscles(tmp_path / "coarse", {"a": [0, 0, 0], "b": [10, 10]})
-    fine = of_muscles(tmp_path / "fine", {"a": [1, 1, 1, 90, 90], "b": [12, 12, 70]})
+    """Those of each muscle are followed by its new ones. Two meshes of which neither is a split of the other are not compared."""
+    coarse, fine_mm = of_muscles(tmp_path / "coarse", {"a": [0, 0, 0], "b": [10, 10]}), {"a": [1, 1, 1, 90, 90], "b": [12, 12, 70]}
+    fine = of_muscles(tmp_path / "fine", fine_mm, splits=1)
     for ours, theirs in ((coarse, fine), (fine, coarse)):
         assert list(sources.node_distances_mm(ours, theirs)) == pytest.approx([1, 1, 1, 2, 2])
-    other = of_muscles(tmp_path / "other", {"a": [0, 0, 0, 10], "b": [10, 10], "c": [5, 5]})
-    assert sources.node_distances_mm(coarse, other) is None
+    assert sources.node_distances_mm(coarse, of_muscles(tmp_path / "other", {"a": [0, 0, 0, 10], "b": [10, 10], "c": [5, 5]}, splits=1)) is None
+    assert sources.node_distances_mm(coarse, of_muscles(tmp_path / "same", fine_mm)) is None
 
 
-@pytest.mark.parametrize(("nearly_mm", "settled"), [(3.5, True), (1.0, False)])
-def test_the_finer_muscle_mesh_is_off_by_what_its_time_step_still_moves(tmp_path, nearly_mm, settled):
-    own, fine = Setting("its triangles", 1.0, moved(tmp_path / "own", 0.0)), Setting("4 times", 2.0, moved(tmp_path / "fine", 4.0))
-    source = Source("muscle mesh", [own, fine], own, fine, nearly=moved(tmp_path / "nearly", nearly_mm))
-    assert source.errors()["shape_mm"] == pytest.approx(4.0) and source.left_mm() == pytest.approx(4.0 - nearly_mm)
-    assert source.has_settled() == settled and source.halving() is None
+def test_the_finer_muscle_mesh_is_off_by_its_step_and_by_what_its_time_step_still_moves(tmp_path):
+    own, fine = Setting("its own triangles", 1.0, moved(tmp_path / "own", 0.0)), Setting("4 times", 2.0, moved(tmp_path / "fine", 4.0))
+    source = Source("muscle mesh", [own, fine], own, fine, nearly=moved(tmp_path / "nearly", 3.5))
+    assert source.errors()["shape_mm"] == pytest.approx(4.0) and source.left_mm() == pytest.approx(4.5)
+    assert not source.has_settled() and source.halving() is None
+
+
+def test_splits_come_on_top_of_those_of_the_scene(tmp_path):
+    scene = replace(fake_registry.scene("lhdl/iliacus"), split_muscles=1, smooth_bones=2)
+    words = {case.name: case.arguments(Folders(tmp_path)) for case in swept("budget", scene)}
+    assert "split_muscles=2" in words["iliacus-split_muscles=1-substeps=24"] and "smooth_bones=3" in words["iliacus-smooth_bones=1"]
+    assert "split_muscles=2" not in words["iliacus-substeps=24"]
 
 
 def test_meshes_are_refined_where_the_time_step_is_finest(tmp_path):
@@ -276,9 +285,9 @@ def test_meshes_are_refined_where_the_time_step_is_finest(tmp_path):
     found = {source.name: source for source in budget_report.budget_of(runs).sources}
     by_name = {case.name: run for case, run in runs.items()}
     mesh, bones = found["muscle mesh"], found["bone mesh"]
-    assert mesh.own.run is by_name["iliacus-substeps=24"] and mesh.reference.run is by_name["iliacus-muscle_mesh=4-substeps=24"]
-    assert mesh.nearly is by_name["iliacus-muscle_mesh=4-substeps=12"]
-    assert [one.factor for one in bones.settings] == [1, 2, 4] and bones.reference.run is by_name["iliacus-bone_mesh=16"]
+    assert mesh.own.run is by_name["iliacus-substeps=24"] and mesh.reference.run is by_name["iliacus-split_muscles=1-substeps=24"]
+    assert mesh.nearly is by_name["iliacus-split_muscles=1-substeps=12"]
+    assert [one.factor for one in bones.settings] == [1, 2, 4] and bones.reference.run is by_name["iliacus-smooth_bones=2"]
 
 
 def test_figures_of_two_runs_differ_by_what_they_differ_in(tmp_path):
@@ -320,62 +329,122 @@ def test_bars_show_the_floor_and_what_is_below_it(tmp_path, monkeypatch):
     assert draw_budget(rows.iloc[:0], tmp_path / "none") == []
 
 
-OFF_MM = {"substeps=1": 8.0, "substeps=3": 4.0, "substeps=6": 2.0, "substeps=12": 1.0, "substeps=24": 0.5, "collision-sdf": 4.3, "collision-voxel": 24.0}
-MS = {"substeps=1": 1.0, "substeps=3": 2.0, "substeps=6": 4.0, "substeps=12": 8.0, "substeps=24": 16.0, "collision-sdf": 1.0, "collision-voxel": 0.4}
+OFF_MM = {"substeps=1": 8.0, "substeps=3": 4.0, "substeps=6": 2.0, "substeps=12": 1.0, "substeps=24": 0.5, "collision-sdf": 4.3,
+          "collision-voxel": 24.0, "collision-null": 4.0}
+MS = {"substeps=1": 1.0, "substeps=3": 2.0, "substeps=6": 4.0, "substeps=12": 8.0, "substeps=24": 16.0, "collision-sdf": 1.0,
+      "collision-voxel": 0.4, "collision-null": 0.1}
 
 
-def choices_with(tmp_path, **status):
-    """Shapes off by 12 mm over the substeps; a field that is 0.3 mm off in half of the time, and voxels that are 20 mm off."""
+def choices_with(tmp_path, off_mm=None, name="lhdl/iliacus", **status):
+    """Shapes off by 12 mm over the substeps; a field that is 0.3 mm off in half of the time, voxels that are 20 mm off, and the
+    control, which is off by nothing here."""
     looks.know(fake_registry.registry())
-    scene, runs = fake_registry.scene("lhdl/iliacus"), {}
+    scene, runs, off_mm = fake_registry.scene(name), {}, OFF_MM | (off_mm or {})
     for case in swept("budget", scene):
-        name = case.name.removeprefix("iliacus-")
-        if name in OFF_MM:
-            runs[case] = moved(tmp_path / name, OFF_MM[name], 1e6 * MS[name], case.configuration.backend, status.get(name.partition("-")[2], "ok"))
-    return scene, choice.choices_of(budget_report.budget_of(runs), runs)
+        told = case.name.partition("-")[2]
+        if told in off_mm:
+            runs[case] = moved(tmp_path / case.name, off_mm[told], 1e6 * MS[told], case.configuration.backend, status.get(told.partition("-")[2], "ok"))
+            runs[case].record["state_hash"] = case.name
+    return scene, choice.choices_of(budget_report.budget_of(runs), runs, fake_registry.registry())
 
 
-def test_the_fastest_that_is_expected_to_hold_is_tried_first(tmp_path):
+def pattern_of(scene):
+    return next(case.group for case in swept("budget", scene) if case.group.name == "collision")
+
+
+def test_the_fastest_that_is_expected_to_hold_comes_first(tmp_path):
     _, found = choices_with(tmp_path)
-    assert found.left_mm == pytest.approx(0.5) and found.error_mm(found.budget.own) == pytest.approx(4.0)
-    assert found.within(4.5)[0].words == "3 substeps with sdf"
-    assert [one.words for one in choice.tries(found, 2.2)] == ["6 substeps with the exact backend"], "with the field 2.3 mm are expected"
-    assert [one.words for one in choice.tries(found, 2.4)] == ["6 substeps with sdf", "6 substeps with the exact backend"]
-    assert found.within(2.4)[0].expected_mm == pytest.approx(2.3) and found.within(2.4)[0].expected_ms == pytest.approx(2.0)
-    assert list(choice.tries(found, 0.4)) == []
+    assert found.steps.left_mm() == pytest.approx(0.5) and found.error_mm(found.budget.own) == pytest.approx(4.0)
+    assert [one.words for one in found.within(2.2)][0] == "6 substeps with the exact backend", "with the field 2.3 mm are expected"
+    first = found.within(2.4)[0]
+    assert (first.words, first.run) == ("6 substeps with sdf", None)
+    assert (first.expected_mm, first.expected_ms) == pytest.approx((2.3, 2.0))
+    assert found.within(0.4) == [] and not any("null" in one.words for one in found.within(100))
+
+
+def test_what_was_run_is_not_guessed(tmp_path):
+    """The field with the scene's own loop is 3.8 mm off, though 0.2 mm from the exact run."""
+    _, found = choices_with(tmp_path, {"collision-sdf": 3.8})
+    first = found.within(3.9)[0]
+    assert first.words == "3 substeps with sdf" and first.run is not None and first.expected_mm == pytest.approx(3.8)
+
+
+def test_the_same_said_twice_is_one_candidate(tmp_path):
+    _, found = choices_with(tmp_path)
+    for run in found.backends.values():
+        run.record["state_hash"] = "same"
+    twice = replace(found, backends=found.backends | {replace(case, stride=2): run for case, run in found.backends.items()})
+    assert [one.words for one in twice.within(100)] == [one.words for one in found.within(100)]
+
+
+def held(tmp_path, off_mm, bound_mm=2.4, status="ok", scenes=("lhdl/iliacus",)):
+    """Sentences and the groups that were run, where every run with a chosen backend is so far off; None: it fails."""
+    found, asked = dict(choices_with(tmp_path, name=name) for name in scenes), []
+
+    def run_all(wanted):
+        asked.extend(wanted.items())
+        return {scene: moved(tmp_path / f"run{len(asked)}-{scene.key}", off_mm, 2e6, "sdf", status) for scene in wanted if off_mm is not None}
+
+    tried = choice.hold(found, bound_mm, pattern_of(next(iter(found))), run_all)
+    return [choice.in_words(found[scene], bound_mm, some) for scene, some in tried.items()], asked
 
 
 def test_what_is_told_to_hold_was_run(tmp_path):
-    """The field with 6 substeps is 2.6 mm off, and not 2.3 as expected: the exact backend is told, with why."""
+    (text,), ((_, group),) = held(tmp_path, 2.1)
+    assert text.startswith("lhdl/iliacus: 2.4 mm: 6 substeps with sdf. Its run is 2.1 mm from 24 substeps (RMS at full flexion), and takes about 1 times")
+    assert (group.backends, group.times_substeps, group.times_iterations) == (("sdf",), (2.0,), (1.0,))
+
+
+@pytest.mark.parametrize(("off_mm", "status", "told"), [
+    (2.6, "ok", "its run is 2.6 mm off"), (2.1, "suspect", "the run ended suspect"), (2.1, "diverged", "the run ended diverged"),
+    (None, "ok", "the run failed")])
+def test_what_does_not_hold_is_told_beside_what_does(tmp_path, off_mm, status, told):
+    """The exact backend with 6 substeps was run already."""
+    (text,), asked = held(tmp_path, off_mm, status=status)
+    assert text.startswith("lhdl/iliacus: 2.4 mm: 6 substeps with the exact backend. Its run is 2 mm from 24 substeps")
+    assert f"Of 6 substeps with sdf 2.3 mm were expected, and {told}" in text and asked
+
+
+def test_tries_that_fail_end_with_what_was_run_already(tmp_path):
+    """Many fields are expected to hold, and none does."""
     scene, found = choices_with(tmp_path)
-    pattern, asked = next(case.group for case in swept("budget", scene) if case.group.name == "collision"), []
-
-    def run_case(of, group, off_mm):
-        asked.append((of, group))
-        return moved(tmp_path / f"chosen{off_mm}", off_mm, 2e6, "sdf")
-
-    tried = choice.hold({scene: found}, 2.4, pattern, lambda of, group: run_case(of, group, 2.6))
-    text = choice.in_words(found, 2.4, tried[scene])
-    assert text.startswith("lhdl/iliacus: 6 substeps with the exact backend hold 2.4 mm: 2 mm from the limit of the time step, judged by a run")
-    assert "6 substeps with sdf was expected to, and was 2.6 mm off" in text
-    (_, group), = asked
-    assert group.backends == ("sdf",) and {"substeps=6", "time_step_s=0.0005"} <= set(group.options)
-    tried = choice.hold({scene: found}, 2.4, pattern, lambda of, group: run_case(of, group, 2.1))
-    assert choice.in_words(found, 2.4, tried[scene]).startswith("lhdl/iliacus: 6 substeps with sdf hold 2.4 mm: 2.1 mm")
-    tried = choice.hold({scene: found}, 2.4, pattern, lambda of, group: None)
-    assert "6 substeps with the exact backend hold" in choice.in_words(found, 2.4, tried[scene])
-    assert "nothing that was run holds 0.4 mm; the least is 0.5 mm" in choice.in_words(found, 0.4, [])
+    backends = {replace(case, stride=1 + number): moved(tmp_path / f"field{number}", 4.1, 1e5 * (1 + number), "sdf")
+                for case in found.backends if case.configuration.backend == "sdf" for number in range(9)}
+    for number, run in enumerate(backends.values()):
+        run.record["state_hash"] = str(number)
+    many = replace(found, backends=backends)
+    tried = choice.hold({scene: many}, 2.4, pattern_of(scene), lambda wanted: {of: moved(tmp_path / f"t{len(list(tmp_path.iterdir()))}", 9.0) for of in wanted})
+    assert len(tried[scene]) == choice.MOST_ROUNDS + 1
+    assert "2.4 mm: 6 substeps with the exact backend. Its run is 2 mm" in choice.in_words(many, 2.4, tried[scene])
 
 
-def test_a_backend_that_diverged_is_not_chosen(tmp_path):
-    _, found = choices_with(tmp_path, sdf="diverged")
-    assert all(one.configuration is None for one in found.within(4.5))
+def test_bounds_that_nothing_can_hold(tmp_path):
+    (text,), asked = held(tmp_path, 0.1, bound_mm=0.4)
+    assert "nothing that was run holds 0.4 mm; the smallest error is 0.5 mm" in text and not asked
+    _, found = choices_with(tmp_path / "floor")
+    quiet = replace(found, budget=replace(found.budget, floors=[{"shape_mm": 3.0}]))
+    assert "rounding alone moves the shape by 3 mm" in choice.in_words(quiet, 2.4, [])
 
 
-def test_the_tool_runs_what_it_tells(study, tmp_path):
-    code, text, errors, called = study("--error-mm", "1")
+def test_where_refining_has_not_settled_it_is_said(tmp_path):
+    _, found = choices_with(tmp_path, {"substeps=3": 10.0, "substeps=6": 8.71, "substeps=12": 7.58, "substeps=24": 6.6})
+    assert "with their last step, since refining has not settled" in choice.in_words(found, 1.0, [])
+
+
+def test_chosen_cases_are_run_by_name_and_judged_by_scene(study, tmp_path, monkeypatch):
+    """Each scene asks for another number of substeps, with a field that nobody ran yet."""
+    def within(self, bound_mm):
+        loop = choice.Loop(2.0 if "iliacus" in self.budget.scene else 1.0)
+        case = next(iter(self.backends))
+        return [choice.Candidate(loop, "some", case.configuration, 0.5, 1.0)]
+
+    monkeypatch.setattr(choice.Choices, "within", within)
+    code, text, errors, called = study("--error-mm", "1", "--muscle", "gluteus_medius")
     assert code == 0, errors
-    assert any("resolution-sdf" in name for name in called) and "hold 1 mm" in text
-    assert "hold 1 mm" in (tmp_path / "out" / "tables" / "budget.txt").read_text()
-    assert study("--error-mm", "1")[3] == [], "what was chosen is kept"
+    assert [name for name in called if "-chosen-" in name] == [
+        "gluteus_medius-chosen-sdf-substeps=x1,iterations=x1", "iliacus-chosen-sdf-substeps=x2,iterations=x1"]
+    assert text.count("1 mm: some with sdf") == 2 and any("resolution-sdf" in name for name in called)
+    assert (tmp_path / "out" / "tables" / "budget.txt").read_text().count("1 mm: some with sdf") == 2
+    code, text, errors, called = study("--error-mm", "1")
+    assert code == 0 and called == [] and text.count("1 mm: some with sdf") == 1, errors
     assert study("--error-mm", "-1")[2].count("\n") == 1

@@ -41,7 +41,7 @@ CAPTION = (
     "the other run's. Rounding: the largest difference of starts that are off by 1 to 3e-12 m; a source below it tells nothing. Order "
     "p: the shape's error falls as 1 / refinement^p; empty where the last steps don't agree on one. Reference off by: how far the "
     "finest shape is itself from the limit, by Richardson's rule where there is an order, else its last step; of the finer muscle mesh, "
-    "what its last doubling of the substeps moved. Halved by: the first finer setting with at most half of the shape's error; empty where "
+    "what its last doubling of the substeps moved beside. Halved by: the first finer setting with at most half of the shape's error; empty where "
     "refining has not settled. Times are medians over the frames of "
     "one run each, with forces told. Settling before the motion keeps its number of substeps."
 )
@@ -87,10 +87,11 @@ def budget_of(runs: dict[SweptCase, Run]) -> Budget | str:
         return f"{scene.key}: no budget: the exact run of the scene's own setting is missing."
     if own.status not in MEASURED:
         return f"{own.scene}: no budget: the exact run of the scene's own setting ended with the status {own.status}."
-    sources = [source for source in (
-        _refined("time step", _by_count("time_step", "substeps", runs), scene.substeps, own, "substep"),
-        _refined("iterations", _by_count("iterations", "iterations", runs), scene.iterations // scene.substeps, own, "iteration"),
-        _of_muscle_mesh(runs), _of_bone_mesh(runs, own)) if source]
+    refined = {
+        "time step": _refined("time step", _by_count("time_step", "substeps", runs), scene.substeps, own, "substep"),
+        "iterations": _refined("iterations", _by_count("iterations", "iterations", runs), scene.iterations // scene.substeps, own, "iteration"),
+        "muscle mesh": _of_muscle_mesh(runs), "bone mesh": _of_bone_mesh(runs, own)}
+    sources = [source for source in refined.values() if source]
     exact = Setting(looks.title_and_name(own.backend), 1.0, own)
     for case, run in runs.items():
         if case.group.name == "collision" and run.backend != own.backend and not looks.backend(run.backend).is_control:
@@ -98,7 +99,9 @@ def budget_of(runs: dict[SweptCase, Run]) -> Budget | str:
             setting = Setting(looks.title_and_name(run.backend) if plain else case.configuration.label.replace("-", " ", 1), 1.0, run)
             sources.append(Source(f"collision, {setting.words}", [setting], setting, exact))
     starts = [differences(run, own) for case, run in runs.items() if case.group.name == "rounding" and run.status in MEASURED]
-    return Budget(own.scene, own.muscle, own, sources, starts)
+    ran = {case.group.name.replace("_", " ") for case in runs}
+    missing = tuple(f"{name}: no finer run ended well" for name, source in refined.items() if name in ran and source is None)
+    return Budget(own.scene, own.muscle, own, sources, starts, missing)
 
 
 def _refined(name: str, counts: dict[int, Run], own: int, exact: Run, unit: str) -> Source | None:
@@ -108,9 +111,9 @@ def _refined(name: str, counts: dict[int, Run], own: int, exact: Run, unit: str)
 
 def _of_bone_mesh(runs: dict[SweptCase, Run], exact: Run) -> Source | None:
     """Each refinement halves the edges."""
-    counts = _by_count("bone_mesh", "bone_mesh", runs)
-    finer = [Setting(f"{count} times the triangles", math.sqrt(count), counts[count]) for count in sorted(counts)]
-    return _usable("bone mesh", [Setting("its triangles", 1.0, exact), *finer], exact)
+    splits = _by_count("bone_mesh", "smooth_bones", runs)
+    finer = [Setting(f"{4**times} times the triangles", 2.0**times, splits[times]) for times in sorted(splits)]
+    return _usable("bone mesh", [Setting("its own triangles", 1.0, exact), *finer], exact)
 
 
 def _of_muscle_mesh(runs: dict[SweptCase, Run]) -> Source | None:
@@ -120,7 +123,7 @@ def _of_muscle_mesh(runs: dict[SweptCase, Run]) -> Source | None:
     both = sorted(count for count, run in fine.items() if count in coarse and run.status in MEASURED and coarse[count].status in MEASURED)
     if len(both) < 2:
         return None
-    own = Setting(f"its triangles, {both[-1]} substeps", 1.0, coarse[both[-1]])
+    own = Setting(f"its own triangles, {both[-1]} substeps", 1.0, coarse[both[-1]])
     finer = Setting(f"4 times the triangles, {both[-1]} substeps", 2.0, fine[both[-1]])
     return Source("muscle mesh", [own, finer], own, finer, nearly=fine[both[-2]])
 

@@ -1,7 +1,7 @@
-"""The fastest loop and backend whose error stays within a bound: chosen from a budget, and run before it is said."""
+"""The fastest loop and backend whose error stays within a bound: chosen by a budget, and run before it is said."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from ..cases.scene import Scene
@@ -11,26 +11,46 @@ from ..experiments.sweeps import Configuration
 from ..program.registry import Registry
 from ..results.run_folder import Run
 from ..results.status import MEASURED
-from .sources import Budget, frame_ms, shape_mm
+from .sources import Budget, Source, frame_ms, shape_mm
 
-MOST_TRIES = 4
+MOST_ROUNDS = 4
 CHOSEN = "chosen"
 
 
 @dataclass(frozen=True)
-class Candidate:
-    """A loop with a backend. Its error and time are what the budget lets expect of both together."""
+class Loop:
+    """Substeps or iterations, in multiples of the scene's own."""
 
-    loop: str  # as the budget words it
-    options: tuple[str, ...]  # of the program, that set the loop
+    substeps: float = 1.0
+    iterations: float = 1.0
+
+    @property
+    def key(self) -> str:
+        return f"substeps=x{self.substeps:g},iterations=x{self.iterations:g}"
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A loop with a backend, what the budget lets expect of both together, and their run where there is one."""
+
+    loop: Loop
+    loop_words: str
     configuration: Configuration | None  # None: the exact backend
     expected_mm: float
     expected_ms: float
-    run: Run | None = None  # where it was run
+    run: Run | None = None
 
     @property
     def words(self) -> str:
-        return f"{self.loop} with {self.configuration.label}" if self.configuration else f"{self.loop} with the exact backend"
+        return f"{self.loop_words} with {self.configuration.label if self.configuration else 'the exact backend'}"
+
+    def group(self, pattern: CaseGroup) -> CaseGroup:
+        """The [[cases]] that run it, the same for each scene. `pattern`: of the collision."""
+        assert self.configuration is not None
+        words = f"{CHOSEN}-{self.configuration.label}-{self.loop.key}"
+        return replace(pattern, name=words, named=f"{{scene}}-{words}", backends=(self.configuration.backend,), configurations="default",
+                       parameters=tuple((key, (value,)) for key, value in self.configuration.parameters),
+                       times_substeps=(self.loop.substeps,), times_iterations=(self.loop.iterations,))
 
 
 @dataclass(frozen=True)
@@ -38,96 +58,127 @@ class Choices:
     """Of one scene: what can be combined, and what it is judged by."""
 
     budget: Budget
+    steps: Source  # the time step: all are judged by its finest run
     loops: dict[SweptCase, Run]  # exact runs with other substeps or iterations, and that of the scene's own
     backends: dict[SweptCase, Run]  # with the scene's own loop
-    finest: Run  # by which all are judged
-    left_mm: float  # that the finest is itself off by
 
     def error_mm(self, run: Run) -> float:
-        """With what the finest is itself off by: no less than it is from the limit, unless these two point the same way."""
-        return shape_mm(run, self.finest) + self.left_mm if run.status in MEASURED else math.nan
+        """From the limit: no more than to the finest run, and from there. NaN where the run did not end well, or worse than the
+        exact run of the scene's own setting."""
+        ended = run.status in MEASURED and (run.status == "ok" or run.status == self.budget.own.status)
+        return shape_mm(run, self.steps.reference.run) + self.steps.left_mm() if ended else math.nan
+
+    def holds(self, run: Run | None, bound_mm: float) -> bool:
+        return run is not None and self.error_mm(run) <= bound_mm
 
     def within(self, bound_mm: float) -> list[Candidate]:
         """Those expected to hold, the fastest first."""
-        own, found = self.budget.own, []
-        for loop, run in self.loops.items():
-            exact = Candidate(words_of(loop), tuple(word for one in loop.point for word in one.words), None, self.error_mm(run), frame_ms(run), run)
+        found = []
+        for case, run in self.loops.items():
+            exact = Candidate(self._loop_of(case), _words_of(case), None, self.error_mm(run), frame_ms(run), run)
             found.append(exact)
-            for case, other in self.backends.items():
-                if other.status in MEASURED:
-                    found.append(replace(exact, configuration=case.configuration, expected_mm=exact.expected_mm + shape_mm(other, own),
-                                         expected_ms=exact.expected_ms * frame_ms(other) / frame_ms(own), run=None))
+            found += [self._with_backend(exact, other, theirs) for other, theirs in self._different_backends()]
         return sorted((one for one in found if one.expected_mm <= bound_mm), key=lambda one: one.expected_ms)
 
+    def _with_backend(self, exact: Candidate, case: SweptCase, run: Run) -> Candidate:
+        own = self.budget.own
+        if exact.run is own:
+            return replace(exact, configuration=case.configuration, expected_mm=self.error_mm(run), expected_ms=frame_ms(run), run=run)
+        return replace(exact, configuration=case.configuration, expected_mm=exact.expected_mm + shape_mm(run, own),
+                       expected_ms=exact.expected_ms * frame_ms(run) / frame_ms(own), run=None)
 
-def words_of(loop: SweptCase) -> str:
-    return ", ".join(f"{one.value} {one.axis if one.value != '1' else one.axis[:-1]}" for one in loop.point)
+    def _different_backends(self) -> list[tuple[SweptCase, Run]]:
+        """Once each: a default and the same said in parameters have the same states."""
+        known = {(run.backend, run.record.get("state_hash")): (case, run) for case, run in reversed(self.backends.items())}
+        return [known[key] for key in reversed(known)]
+
+    def _loop_of(self, case: SweptCase) -> Loop:
+        told = {one.axis: int(one.value) for one in case.point}
+        own = case.scene
+        return Loop(told.get("substeps", own.substeps) / own.substeps, told.get("iterations", own.iterations // own.substeps) * own.substeps / own.iterations)
 
 
-def choices_of(budget: Budget, runs: dict[SweptCase, Run]) -> Choices | None:
-    """`runs`: of the scene. None where the time step was not refined."""
+def _words_of(case: SweptCase) -> str:
+    return ", ".join(f"{one.value} {one.axis if one.value != '1' else one.axis[:-1]}" for one in case.point)
+
+
+def choices_of(budget: Budget, runs: dict[SweptCase, Run], registry: Registry) -> Choices | None:
+    """`runs`: of the scene. None where no finer time step ended well."""
     steps = next((source for source in budget.sources if source.name == "time step"), None)
     if steps is None:
         return None
     loops = {case: run for case, run in runs.items() if case.group.name in ("time_step", "iterations") and run.status in MEASURED}
-    backends = {case: run for case, run in runs.items() if case.group.name in ("collision", "resolution")
-                and run.backend != budget.own.backend}
-    return Choices(budget, loops, backends, steps.reference.run, steps.left_mm())
+    backends = {case: run for case, run in runs.items() if case.group.name in ("collision", "resolution") and run.status in MEASURED
+                and not registry.backend(run.backend).is_exact and not registry.backend(run.backend).is_control}
+    return Choices(budget, steps, loops, backends)
 
 
 def resolutions(pattern: CaseGroup, registry: Registry) -> CaseGroup:
     """The [[cases]] of the resolutions that may be chosen: those of a quick study. `pattern`: of the collision."""
     every = registry.backends if isinstance(pattern.backends, str) else [registry.backend(name) for name in pattern.backends]
     names = tuple(one.name for one in every if not (one.is_exact or one.is_slow or one.is_external or one.is_control))
-    return replace(pattern, name="resolution", named="{scene}-resolution-{configuration}", backends=names, configurations="study_quick", only=("drives",))
-
-
-def group_of(candidate: Candidate, pattern: CaseGroup, number: int) -> CaseGroup:
-    """The [[cases]] that run a candidate. `pattern`: of the collision."""
-    assert candidate.configuration is not None
-    parameters = tuple((key, (value,)) for key, value in candidate.configuration.parameters)
-    loop = "-".join(candidate.loop.replace(",", "").split())
-    return replace(pattern, name=f"{CHOSEN}-{number}", named=f"{{scene}}-{CHOSEN}-{{configuration}}-{loop}", parameters=parameters,
-                   backends=(candidate.configuration.backend,), configurations="default", options=(*pattern.options, *candidate.options))
-
-
-def tries(choices: Choices, bound_mm: float) -> Iterator[Candidate]:
-    """The fastest that are expected to hold, up to the first that was run already: nothing behind it can be faster."""
-    for candidate in choices.within(bound_mm)[:MOST_TRIES]:
-        yield candidate
-        if candidate.run is not None:
-            return
+    return replace(pattern, name="resolution", named="{scene}-resolution-{configuration}", backends=names, configurations="study_quick",
+                   only=("drives", "probed", "one_thread"))
 
 
 def hold(choices: dict[Scene, Choices], bound_mm: float, pattern: CaseGroup,
-         run_case: Callable[[Scene, CaseGroup], Run | None]) -> dict[Scene, list[Candidate]]:
-    """Of each scene what was tried, up to what holds. `run_case`: one of that scene and group; None where it failed."""
+         run_all: Callable[[dict[Scene, CaseGroup]], dict[Scene, Run]]) -> dict[Scene, list[Candidate]]:
+    """Of each scene what was tried, in rounds: the fastest that is expected to hold, until one holds. What was run already is the
+    last. `run_all`: a case a scene; those without a result are missing."""
+    left = {scene: own.within(bound_mm) for scene, own in choices.items()}
     tried: dict[Scene, list[Candidate]] = {scene: [] for scene in choices}
-    for scene, own in choices.items():
-        for number, candidate in enumerate(tries(own, bound_mm), start=1):
-            run = candidate.run or run_case(scene, group_of(candidate, pattern, number))
-            tried[scene].append(replace(candidate, run=run))
-            if run is not None and own.error_mm(run) <= bound_mm:
-                break
+    for round_number in range(MOST_ROUNDS + 1):
+        now = {scene: _next(some, round_number) for scene, some in left.items() if some and not _has_held(choices[scene], tried[scene], bound_mm)}
+        wanted = {scene: one.group(pattern) for scene, one in now.items() if one and one.run is None}
+        done = run_all(wanted) if wanted else {}
+        for scene, one in now.items():
+            if one:
+                left[scene].remove(one)
+                tried[scene].append(replace(one, run=one.run or done.get(scene)))
     return tried
 
 
+def _next(some: list[Candidate], round_number: int) -> Candidate | None:
+    """The fastest; in the last round the fastest that was run already."""
+    return next((one for one in some if round_number < MOST_ROUNDS or one.run is not None), None)
+
+
+def _has_held(choices: Choices, tried: list[Candidate], bound_mm: float) -> bool:
+    return any(choices.holds(one.run, bound_mm) for one in tried)
+
+
 def in_words(choices: Choices, bound_mm: float, tried: list[Candidate]) -> str:
-    """`tried`: in order, with their runs."""
-    name = choices.budget.scene
-    failed = [f"{one.words} was expected to, and was {_told(choices.error_mm(one.run))} off" for one in tried
-              if one.run and not choices.error_mm(one.run) <= bound_mm]
-    held = next((one for one in tried if one.run and choices.error_mm(one.run) <= bound_mm), None)
+    """`tried`: with their runs. The fastest of what held is named, by the times of the runs."""
+    name, floor_mm = choices.budget.scene, choices.budget.floor.get("shape_mm", 0.0)
+    if bound_mm <= floor_mm:
+        return f"{name}: nothing can hold {bound_mm:g} mm: rounding alone moves the shape by {floor_mm:.2g} mm."
+    known = [one for one in choices.within(bound_mm) if one.run is not None]
+    held = min((one for one in [*tried, *known] if choices.holds(one.run, bound_mm)), key=lambda one: frame_ms(_run_of(one)), default=None)
+    limit = f"from {choices.steps.reference.words}" if choices.steps.has_settled() else \
+        f"from {choices.steps.reference.words}, with their last step, since refining has not settled"
     if held is None:
-        least = min((choices.error_mm(run) for run in choices.loops.values()), default=math.nan)
-        words = f"{name}: nothing that was run holds {bound_mm:g} mm; the least is {least:.2g} mm, of the finest time step and the exact backend"
+        least = min((error for run in choices.loops.values() if not math.isnan(error := choices.error_mm(run))), default=math.nan)
+        said = f"nothing that was run holds {bound_mm:g} mm; the smallest error is {least:.2g} mm {limit}"
     else:
-        assert held.run is not None
-        words = (f"{name}: {held.words} hold {bound_mm:g} mm: {choices.error_mm(held.run):.2g} mm from the limit of the time step, judged by a run, "
-                 f"in {choices.budget.times(held.run):.2g} times the time of the scene's own setting ({frame_ms(held.run):.3g} ms a frame)")
-    meshes = [f"{source.name} {source.errors()['shape_mm']:.2g} mm" for source in choices.budget.sources if source.name.endswith("mesh")]
-    return "; ".join([words, *failed]) + (f". Not in it: {', '.join(meshes)}." if meshes else ".")
+        run = _run_of(held)
+        status = "" if run.status == "ok" else f", {run.status} as the exact run is"
+        said = (f"{bound_mm:g} mm: {held.words}. Its run is {choices.error_mm(run):.2g} mm {limit} (RMS at full flexion{status}), and takes about "
+                f"{choices.budget.times(run):.2g} times the time of the scene's own setting, {frame_ms(run):.3g} ms a frame")
+    others = [_failed(one, choices, bound_mm) for one in tried if not choices.holds(one.run, bound_mm)]
+    meshes = [f"{source.name} {shape:.2g} mm" for source in choices.budget.sources
+              if source.name.endswith("mesh") and (shape := source.errors().get("shape_mm")) is not None]
+    on_top = [f"Mesh errors come on top: {', '.join(meshes)}"] if meshes else []
+    return f"{name}: " + ". ".join([said, *others, *on_top, *choices.budget.missing]) + "."
 
 
-def _told(error_mm: float) -> str:
-    return "diverged, and so unknown millimetres" if math.isnan(error_mm) else f"{error_mm:.2g} mm"
+def _run_of(candidate: Candidate) -> Run:
+    assert candidate.run is not None
+    return candidate.run
+
+
+def _failed(candidate: Candidate, choices: Choices, bound_mm: float) -> str:
+    expected = f"Of {candidate.words} {candidate.expected_mm:.2g} mm were expected"
+    if candidate.run is None:
+        return f"{expected}, and the run failed"
+    error_mm = choices.error_mm(candidate.run)
+    return f"{expected}, and the run ended {candidate.run.status}" if math.isnan(error_mm) else f"{expected}, and its run is {error_mm:.2g} mm off"

@@ -62,19 +62,16 @@ class Source:
     def has_settled(self) -> bool:
         """Refining further would change little: an order is seen, or the last step is clearly shorter than the one before."""
         steps = self._steps_mm
-        if self.nearly is not None:
-            return self.left_mm() * SETTLING <= steps[-1]
         return not math.isnan(self.order()) or (len(steps) > 1 and steps[-1] * SETTLING <= steps[-2])
 
     def left_mm(self) -> float:
         """How far the finest shape is itself from the limit: by Richardson's rule where an order is seen, else its last step.
         0 of a reference that is exact."""
-        if self.nearly is not None:
-            return shape_mm(self.nearly, self.reference.run)
         if not self.is_refined:
             return 0.0
         last, order = self._steps_mm[-1], self.order()
-        return last if math.isnan(order) else last / (2**order - 1)
+        still = shape_mm(self.nearly, self.reference.run) if self.nearly is not None else 0.0
+        return still + (last if math.isnan(order) else last / (2**order - 1))
 
     def most_mm(self) -> float:
         """The error of the shape, with what the reference is itself off by; NaN where it is not known."""
@@ -114,13 +111,20 @@ def shape_mm(run: Run, reference: Run) -> float:
 
 
 def node_distances_mm(run: Run, reference: Run) -> npt.NDArray[np.float64] | None:
-    """Of each node at full flexion that both runs have; None where one of the runs came to an end before. The vertices of a mesh
-    are the first ones of a finer mesh."""
+    """Of each node at full flexion that both runs have; None where one of the runs came to an end before, or is of another mesh. The
+    vertices of a mesh are the first ones of the same that is split."""
     ours, theirs = flexed(run), flexed(reference)
     if ours is None or theirs is None or len(ours) != len(theirs):
         return None
+    if splits_of(run) == splits_of(reference) and any(len(mine) != len(other) for mine, other in zip(ours, theirs)):
+        return None
     both = [(mine[:count], other[:count]) for mine, other in zip(ours, theirs) for count in [min(len(mine), len(other))]]
     return np.asarray(np.concatenate([1e3 * np.linalg.norm(mine - other, axis=1) for mine, other in both]))
+
+
+def splits_of(run: Run) -> int:
+    """Of the muscles' triangles."""
+    return int((run.record["case"].get("meshes") or {}).get("split_muscles", 0))
 
 
 def flexed(run: Run) -> list[npt.NDArray[np.float64]] | None:
@@ -161,6 +165,7 @@ class Budget:
     own: Run  # exact, with the scene's own setting
     sources: list[Source]
     floors: list[dict[str, float]]  # what rounding alone changes, by FIGURES; of each start that ended well
+    missing: tuple[str, ...] = ()  # in words, sources of which no finer run ended well
 
     @property
     def floor(self) -> dict[str, float]:
@@ -175,7 +180,7 @@ class Budget:
 def in_words(budget: Budget) -> str:
     """Which source is the largest of the shape, the others, what ended badly, and what halving the largest costs."""
     known = sorted((source for source in budget.sources if not math.isnan(source.most_mm())), key=lambda source: -source.most_mm())
-    bad = [f"{source.own.words}: {source.own.run.status}" for source in budget.sources if not source.own.is_usable]
+    bad = [f"{source.own.words}: {source.own.run.status}" for source in budget.sources if not source.own.is_usable] + list(budget.missing)
     floor = budget.floor.get("shape_mm")
     rounding = f"rounding {floor:.2g} mm" if floor is not None else "rounding not known"
     also = f" Not judged: {'; '.join(bad)}." if bad else ""

@@ -42,6 +42,8 @@ class Scene:
     probed_on: str = ""  # the scene whose bones are probed for this one, too; empty: this one
     digest: str = ""  # of a scene file and what it names; the program's own scenes change with the program
     muscles: int = 1
+    split_muscles: int = 0  # of its [meshes]
+    smooth_bones: int = 0
     effects: tuple[str, ...] = ()  # of scene and preset
     has_long_key: bool = False  # where two scenes would share a short one
     origin: dict = field(default_factory=dict, compare=False)  # ORIGIN_KEYS as the program writes them into a run.json
@@ -155,8 +157,9 @@ def told(scene: Scene, record: dict) -> Scene:
     moving_frames = loop["frames"] - loop["rest_frames"]
     meshes = [part.get("mesh_sha256", "") for part in (record["muscle"], *bones)]
     digest = fingerprint.text_digest(fingerprint.file_digest(Path(scene.name)), *meshes) if scene.is_file else ""
+    splits = record["case"].get("meshes") or {}
     return replace(
-        scene, nodes=record["muscle"]["vertices"],
+        scene, nodes=record["muscle"]["vertices"], split_muscles=splits.get("split_muscles", 0), smooth_bones=splits.get("smooth_bones", 0),
         triangles=sum(bone.get("triangles", 0) for bone in bones) or REFERENCE_TRIANGLES, frames=loop["frames"],
         iterations=loop["substeps"] * loop["iterations"], substeps=loop["substeps"],
         muscles=len(record.get("muscles", [])) or 1, effects=tuple(record["case"].get("effects") or ()),

@@ -68,6 +68,8 @@ class Expansion:
                 for count in counts])
         if counts := multiples(scene.iterations // scene.substeps, group.times_iterations):
             axes.append([AxisValue("iterations", str(count), ("--loop", f"iterations={count}")) for count in counts])
+        for axis, more, own in (("split_muscles", group.split_muscles, scene.split_muscles), ("smooth_bones", group.smooth_bones, scene.smooth_bones)):
+            axes += [[AxisValue(axis, str(times), ("--meshes", f"{axis}={own + times}")) for times in more]] if more else []
         if group.frames:
             axes.append([AxisValue("frames", str(count)) for count in group.frames])
         if group.mode == "kernels":

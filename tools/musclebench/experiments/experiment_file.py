@@ -48,6 +48,8 @@ class CaseGroup:
     substeps: tuple[int, ...] = ()
     times_substeps: tuple[float, ...] = ()  # the scene's own, times these
     times_iterations: tuple[float, ...] = ()
+    split_muscles: tuple[int, ...] = ()  # splits of triangles, more than the scene's own
+    smooth_bones: tuple[int, ...] = ()
     work: float = 1.0  # of a step, in steps of the scene as it is: a guess, where meshes are finer
     rest_s: float = 0.0
     vary: tuple[tuple[str, tuple[tuple[str, tuple[str, ...]], ...]], ...] = ()
@@ -69,7 +71,7 @@ class CaseGroup:
     def axes(self) -> list[str]:
         """Names of what its points differ in beside scene, configuration and repetition."""
         told = {"effects": self.effects, "substeps": self.substeps or self.times_substeps, "frames": self.frames,
-                "iterations": self.times_iterations}
+                "iterations": self.times_iterations, "split_muscles": self.split_muscles, "smooth_bones": self.smooth_bones}
         own = [name for name, values in told.items() if values]
         return own + (["case"] if self.mode == "hard" else []) + [key for key, _ in self.vary]
 
@@ -304,6 +306,7 @@ GROUP_KEYS: dict[str, tuple[bool, Callable]] = {
     "counted_frames": (False, _number(int, 1)), "effects": (False, _list(_choice(*EFFECT_SETS))),
     "adds_effect": (False, _text), "substeps": (False, _list(_number(int, 1))),
     "times_substeps": (False, _list(_number(float, 0.001))), "times_iterations": (False, _list(_number(float, 0.001))),
+    "split_muscles": (False, _list(_number(int, 0))), "smooth_bones": (False, _list(_number(int, 0))),
     "rest_s": (False, _number(float, 0)), "work": (False, _number(float, 0.001)),
     "vary": (False, _table(_table(_words_or_none))), "options": (False, _list(_text)), "stride": (False, _stride),
     "band_mm": (False, _number(float, 0.001)), "points": (False, _number(int, 1)), "replay_s": (False, _number(float, 0.001)),

@@ -1,13 +1,14 @@
 """Says where the error of a run comes from, and what halving it costs.
 
 The tool runs a scene with its own settings and the exact backend. Then it refines one source of error at a time: the time step
-(more substeps in a frame of the same time), the iterations, the mesh of the muscle and those of the bones (four triangles for
-one), collision (other backends with their defaults). Starts that are off by
+(more substeps in a frame of the same time), the iterations, the mesh of the muscle (four triangles for one) and those of the
+bones (four and sixteen), collision (other backends with their defaults). Starts that are off by
 rounding give the floor. A table in --out has what each source moves: the shape, moment arm, volume, surface depth, joint torque
 and peak pressure. Sentences for each scene (budget.txt) say which source is the largest, and which settings halve the errors that
 were refined.
 
-A finer muscle mesh wants smaller time steps, so it is compared at the two smallest ones. These two runs take most of the time.
+A finer muscle mesh wants smaller time steps, so it is run with the two smallest ones, and compared at the smallest. These two
+runs take most of the time.
 Scenes of the program run with the preset `standard`, scene files with their own.
 
   tools/budget --scene my_scene.toml
@@ -33,8 +34,8 @@ def parse_arguments(arguments, file: ExperimentFile):
     parser.add_argument("--backend", action="append", metavar="NAME",
                         help="backend whose collision error is told; may be repeated (default: all fast ones)")
     parser.add_argument("--error-mm", type=float, metavar="E",
-                        help="also choose: the fastest time step, iterations, backend and resolution whose shape is at most E mm (RMS) "
-                             "from the limit of the time step; what is told was run (default: nothing is chosen)")
+                        help="also choose: the fastest time step, iterations, backend and resolution whose shape at full flexion is at most "
+                             "E mm (RMS) from that of the finest time step; what is told was run (default: nothing is chosen)")
     add_frames_option(parser)
     add_run_options(parser, timeout=file.timeout_s)
     add_jobs_option(parser)
