@@ -337,6 +337,17 @@ def test_bad_input_is_one_line(capsys):
     assert capsys.readouterr().err.count("\n") == 2
 
 
+def test_the_budget_of_each_muscle_is_a_column(small):
+    rows = [("iliacus", "time step", "ok", 3.175, 0.325), ("iliacus", "collision, sdf", "ok", 0.016, math.nan),
+            ("iliacus", "rounding", math.nan, 0.0001, math.nan), ("psoas", "time step", "ok", 1.2, 0.001), ("psoas", "collision, sdf", "diverged", math.nan, math.nan)]
+    pd.DataFrame(rows, columns=["muscle", "source", "status", "shape_mm", "left_mm"]).to_csv(small.folder / "paper-lhdl" / "budget.csv", index=False)
+    text = block(small, "budget_by_muscle paper-lhdl")
+    assert text.startswith("| source of error | iliacus, mm | psoas, mm |\n")
+    for row in ("| time step | 3.2 to 3.5 | 1.2 |", "| collision, sdf | 0.016 | diverged |", "| rounding | below 0.001 | - |"):
+        assert row in text
+    assert "psoas" not in block(small, "budget_by_muscle paper-lhdl muscle=iliacus")
+
+
 @pytest.fixture
 def rehearsal(tmp_path, monkeypatch):
     """publish with studies that only leave what fake runs hold; gives (exit code, folder)."""

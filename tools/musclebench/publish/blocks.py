@@ -48,6 +48,7 @@ SUBSTEP_KEYS = ("scene", "backend", "substeps", "status", "rms_mm", "p99_mm", "l
                 "largest_depth_mm")
 BUDGET_KEYS = ("scene", "source", "setting", "status", "reference", "shape_mm", "arm_mm", "volume_percent", "surface_mm", "torque_percent",
                "pressure_percent", "order", "left_mm", "halved_by", "price")
+LEAST_MOVED_MM = 0.001
 EFFECT_COST_KEYS = ("muscle", "effect", "own_ms", "share_percent", "added_ms", "saved_ms")
 EFFECT_CHANGE_KEYS = ("muscle", "set", "status", "frame_ms", "node_depth_mm", "surface_depth_mm", "volume_percent", "folded",
                       "folded_at_rest", "tunnelled", "stretch", "shape_mm", "arm_mm")
@@ -114,6 +115,27 @@ def _coupled(measured: Measured, study: str, filters: str) -> str:
                  if m in mine.index else "-" for m in muscles]
         lines.append(f"| `{name}` | " + " | ".join(cells) + " |")
     return "\n".join(lines)
+
+
+def _budget_by_muscle(measured: Measured, study: str, filters: str) -> str:
+    """How far each source moves the shape, and that with what its finest setting is itself off by; a column a muscle."""
+    rows = chosen_rows(measured.table(f"{study}/budget"), filters, f"budget_by_muscle {study} {filters}")
+    muscles = list(dict.fromkeys(rows["muscle"]))
+    lines = ["| source of error | " + " | ".join(f"{muscle.replace('_', ' ')}, mm" for muscle in muscles) + " |", "| --- |" + " ---: |" * len(muscles)]
+    for source in dict.fromkeys(rows["source"]):
+        mine = rows[rows["source"] == source].set_index("muscle")
+        lines.append(f"| {source} | " + " | ".join(_moved(mine.loc[muscle]) if muscle in mine.index else "-" for muscle in muscles) + " |")
+    return "\n".join(lines)
+
+
+def _moved(row: pd.Series) -> str:
+    """As an interval where the finest setting is itself off by much."""
+    if pd.isna(row["shape_mm"]):
+        return "-" if pd.isna(row["status"]) else str(row["status"])
+    if row["shape_mm"] < LEAST_MOVED_MM:
+        return f"below {LEAST_MOVED_MM:g}"
+    own, most = f"{row['shape_mm']:.2g}", f"{row['shape_mm'] + (0.0 if pd.isna(row['left_mm']) else row['left_mm']):.2g}"
+    return own if own == most else f"{own} to {most}"
 
 
 def _libraries(measured: Measured, study: str, filters: str) -> str:
@@ -186,4 +208,5 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "hard_cases": _hard("cases", hard_tables.texts),
     "substeps": _from("substeps", substeps_table.COLUMNS, SUBSTEP_KEYS),
     "budget": _from("budget", budget_report.COLUMNS, BUDGET_KEYS),
+    "budget_by_muscle": _budget_by_muscle,
 }
