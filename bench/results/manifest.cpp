@@ -303,9 +303,16 @@ std::string scene_hash(const Scene& scene) {
     hash.add(text_of(json_of(scene.motions[i])));
   }
   hash.add(attachment_mode(scene));
-  hash.add(text_of(json_of_effects(scene)));
-  hash.add(text_of(json_of_loop(scene.loop)));
   // Not what is as it was before a scene could say it: recordings stay those of their scenes.
+  Json effects = json_of_effects(scene);
+  for (Json& effect : effects) {
+    if (!effect.value("per_area", false)) effect.erase("per_area");
+  }
+  hash.add(text_of(effects));
+  hash.add(text_of(json_of_loop(scene.loop)));
+  if (scene.mesh_splits.split_muscles > 0 || scene.mesh_splits.smooth_bones > 0) {
+    hash.add(text_of(json_of(mesh_values(scene.mesh_splits))));
+  }
   if (scene.response_steps != default_projection_steps) {
     hash.add(fmt::format("{} steps of a response", scene.response_steps));
   }

@@ -100,7 +100,7 @@ ParameterSpec per_area_flag(const std::string& constraint) {
                           .default_value = false,
                           .help = "the compliance is that of one " + constraint +
                                   " between equilateral triangles, and others get theirs by area and length, so that "
-                                  "the surface is as stiff on every mesh"});
+                                  "the surface is nearly as stiff on other meshes; nothing without a compliance"});
 }
 
 }  // namespace musclebench

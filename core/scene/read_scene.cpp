@@ -66,11 +66,6 @@ SceneMesh read_scene_mesh(const SceneRequest& request, const TomlTable& table) {
   return result;
 }
 
-void replace_mesh(SceneMesh& mesh, TriangleMesh by) {
-  mesh.mesh = std::move(by);
-  mesh.sha256 = sha256_of(mesh.mesh);
-}
-
 /// Before each is split in four `times` times.
 void require_few_triangles(const TomlTable& table, const SceneMesh& mesh, int times) {
   constexpr std::size_t most = 20'000'000;
@@ -147,7 +142,6 @@ void read_bones(const SceneRequest& request, const TomlTable& root, Scene& scene
       // A repaired surface is wound alike, which tells where it is smooth.
       require_few_triangles(table, mesh, times);
       bone.surface.mesh = split_curved(bone.surface.mesh, times);
-      replace_mesh(mesh, bone.surface.mesh);
     }
     // What is near a node is then in few pages and cache lines, whatever order a file has.
     sort_in_morton_order(bone.surface.mesh);
@@ -215,7 +209,7 @@ void read_muscles(const SceneRequest& request, const TomlTable& root, Scene& sce
     if (const int times = scene.mesh_splits.split_muscles; times > 0) {
       // Before welding, so that the vertices of the file stay the first ones of what a run writes.
       require_few_triangles(table, file, times);
-      replace_mesh(file, split_flat(std::move(file.mesh), times));
+      file.mesh = split_flat(std::move(file.mesh), times);
     }
     refuse_same_mesh(table, file, scene);
     WeldedMesh welded = weld_mesh(file.mesh, mesh_location(table, file));

@@ -43,8 +43,8 @@ struct SceneEffect {
 /// A mesh that a scene names, as it is after placement.
 struct SceneMesh {
   std::string reference;      ///< the text in the scene
-  std::string sha256;         ///< hash of the coordinates and indices of `mesh`
-  TriangleMesh mesh;          ///< in metres, at the place that the scene gives it; not repaired, but as fine as it asks
+  std::string sha256;         ///< hash of the coordinates and indices, as read
+  TriangleMesh mesh;          ///< in metres, at the place that the scene gives it; not repaired. Of a muscle: split
   std::string location = {};  ///< file and line of its table, for messages
   bool has_unit = false;      ///< the scene gives its unit or scale
   MeshPlacement placement = {};
@@ -127,8 +127,8 @@ struct Scene {
   std::string file;  ///< for messages
   std::string title;
   std::string preset;
-  std::vector<Bone> bones;             ///< repaired surfaces in rest pose, in Morton order
-  std::vector<SceneMesh> bone_meshes;  ///< the meshes of the bones before repair, one for each bone
+  std::vector<Bone> bones;             ///< repaired and split surfaces in rest pose, in Morton order
+  std::vector<SceneMesh> bone_meshes;  ///< the meshes of the bones as read, one for each bone
   std::vector<BoneMotion> motions;     ///< one for each bone
   std::vector<Muscle> muscles;
   TriangleMesh muscle_mesh;  ///< the welded surfaces of all muscles, one after the other; its vertices are the nodes

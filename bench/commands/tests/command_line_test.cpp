@@ -250,6 +250,14 @@ TEST_F(CommandLine, ARecordingIsMadeAndReplayed) {
   replay(path("none.recording"), {"--force"}).expect_refused({"none.recording"});
 }
 
+TEST_F(CommandLine, ARecordingOfAnotherMotionAndOtherMeshesIsReplayed) {
+  const std::string file = path("b.recording");
+  const Done made = call({"record", scene(), "--meshes", "split_muscles=1", "--motion", "to_deg=3", "--out", file});
+  EXPECT_EQ(made.exit_code, 0) << made.errors;
+  const Done done = call({"replay", file, "--backend", "null", "--out", path("replayed")});
+  EXPECT_EQ(done.exit_code, 0) << done.errors;
+}
+
 TEST_F(CommandLine, VerifyHoldsAboutSoundBones) {
   const Done done = call({"verify", scene(), "--points", "200", "--brute-force-points", "20"});
   EXPECT_EQ(done.exit_code, 0) << done.out;

@@ -39,6 +39,8 @@ TEST(SceneHash, IsThatOfEverythingTheSceneSays) {
          s.motions[0].rotations.push_back({.times = {0, 1}, .angles_rad = {0, 1}});
        }},
       {"bone's mesh", [](Scene& s) { s.bone_meshes[0].sha256 = "another"; }},
+      {"split muscles", [](Scene& s) { s.mesh_splits.split_muscles = 1; }},
+      {"smooth bones", [](Scene& s) { s.mesh_splits.smooth_bones = 1; }},
       {"attached nodes", [](Scene& s) { s.attachments[0].nodes.pop_back(); }},
       {"fibres",
        [](Scene& s) {
