@@ -207,7 +207,11 @@ def test_rows_leave_out_what_ended_badly_and_times_are_over_the_exact_run(tmp_pa
     found = budget_with(tmp_path)
     rows = pd.DataFrame(budget_report._rows(found)).set_index("source")
     assert rows.loc["collision, voxel", "status"] == "diverged" and np.isnan(rows.loc["collision, voxel", "shape_mm"])
-    assert rows.loc["time step", "reference"] == "8 parts" and rows.loc["time step", "price"] == pytest.approx(2.0)
+    assert rows.loc["time step", "reference"] == "8 parts" and rows.loc["collision, sdf", "reference"] == "1 parts"
+    steps = found.sources[0]
+    steps.reference.run.record["status"] = "suspect"
+    assert budget_report._rows(found)[0]["reference"] == "8 parts (suspect)"
+    assert rows.loc["time step", "price"] == pytest.approx(2.0)
     assert rows.loc["rounding", "setting"] == "2 starts" and rows.loc["rounding", "shape_mm"] == 0.01
     settings = pd.DataFrame(budget_report._setting_rows(found))
     assert list(settings["times"]) == pytest.approx([1, 2, 4, 8, 1, 1])

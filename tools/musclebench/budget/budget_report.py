@@ -148,11 +148,17 @@ def _rows(budget: Budget) -> list[dict[str, object]]:
     for source in budget.sources:
         better = source.halving(budget.floor.get("shape_mm", 0.0))
         rows.append({"muscle": budget.muscle, "scene": budget.scene, "source": source.name, "setting": source.own.words,
-                     "status": source.own.run.status, "reference": source.reference.words, **source.errors(), "order": source.order(),
+                     "status": source.own.run.status, "reference": _reference_words(source), **source.errors(), "order": source.order(),
                      "left_mm": source.left_mm() if source.is_refined else math.nan, "halved_by": better.words if better else "",
                      "price": budget.times(better.run) / budget.times(source.own.run) if better else math.nan})
     starts = len(budget.floors)
     return [*rows, {"muscle": budget.muscle, "scene": budget.scene, "source": "rounding", "setting": f"{starts} starts", **budget.floor}]
+
+
+def _reference_words(source: Source) -> str:
+    """With its status where that is another."""
+    status = source.reference.run.status
+    return source.reference.words + (f" ({status})" if status != source.own.run.status and source.is_refined else "")
 
 
 def _setting_rows(budget: Budget) -> list[dict[str, object]]:
