@@ -185,7 +185,7 @@ def budget_with(tmp_path, **more) -> Budget:
 def test_the_sentence_names_the_largest_source_what_ended_badly_and_the_price(tmp_path):
     found = budget_with(tmp_path)
     assert sources.in_words(found) == (
-        "lhdl/iliacus: most of the shape's error comes from the time step: 2.8 to 3.2 mm with 1 parts (collision, sdf 0.09 mm; "
+        "lhdl/iliacus: most of the shape's error comes from the time step: 2.8 ± 0.4 mm with 1 parts (collision, sdf 0.09 mm; "
         "rounding 0.01 mm). Not judged: voxel: diverged. 2 parts halve the error of the time step for 2 times the time.")
     quiet = budget_with(tmp_path / "quiet", floors=[{"shape_mm": 5.0}])
     assert "no source moves the shape by more than rounding 5 mm" in sources.in_words(quiet)
@@ -199,7 +199,7 @@ def test_a_source_is_ranked_with_what_its_finest_is_off(tmp_path):
     field = Setting("sdf", 1.0, moved(tmp_path / "sdf", 13.0, backend="sdf"))
     found = Budget("a", "m", steps.own.run, [Source("collision, sdf", [field], field, steps.own), steps], [])
     text = sources.in_words(found)
-    assert text.startswith("a: most of the shape's error comes from the time step: 4 to 8 mm")
+    assert text.startswith("a: most of the shape's error comes from the time step: 4 ± 4 mm")
     assert text.endswith("What halves the error of the time step is not known: refining it has not settled.")
 
 
@@ -230,6 +230,9 @@ def test_the_control_and_the_exact_are_no_sources(tmp_path):
     names = [source.name for source in found.sources]
     assert names[:2] == ["time step", "iterations"] and "collision, distance field (sdf)" in names
     assert not any("null" in name or "bvh" in name for name in names) and len(found.floors) == 3
+    without = next(row for row in budget_report._rows(found) if row["source"] == budget_report.WITHOUT)
+    assert without["shape_mm"] == 0 and "null" in without["setting"]
+    assert "Without any collision the shape is 0 mm from the exact run's." in sources.in_words(replace(found, floors=[]))
 
 
 @pytest.mark.parametrize(("bad", "told"), [
@@ -395,7 +398,8 @@ def held(tmp_path, off_mm, bound_mm=2.4, status="ok", scenes=("lhdl/iliacus",)):
 
 def test_what_is_told_to_hold_was_run(tmp_path):
     (text,), ((_, group),) = held(tmp_path, 2.1)
-    assert text.startswith("lhdl/iliacus: 2.4 mm: 6 substeps with sdf. Its run is 2.1 mm from 24 substeps (RMS at full flexion), and takes about 1 times")
+    assert text.startswith("lhdl/iliacus: 2.4 mm: 6 substeps with sdf. Its run is 1.6 mm from 24 substeps, and 24 substeps themselves may be off by "
+                           "0.5 mm. It takes about 1 times")
     assert (group.backends, group.times_substeps, group.times_iterations) == (("sdf",), (2.0,), (1.0,))
 
 
@@ -405,7 +409,7 @@ def test_what_is_told_to_hold_was_run(tmp_path):
 def test_what_does_not_hold_is_told_beside_what_does(tmp_path, off_mm, status, told):
     """The exact backend with 6 substeps was run already."""
     (text,), asked = held(tmp_path, off_mm, status=status)
-    assert text.startswith("lhdl/iliacus: 2.4 mm: 6 substeps with the exact backend. Its run is 2 mm from 24 substeps")
+    assert text.startswith("lhdl/iliacus: 2.4 mm: 6 substeps with the exact backend. Its run is 1.5 mm from 24 substeps")
     assert f"Of 6 substeps with sdf 2.3 mm were expected, and {told}" in text and asked
 
 
@@ -419,7 +423,7 @@ def test_tries_that_fail_end_with_what_was_run_already(tmp_path):
     many = replace(found, backends=backends)
     tried = choice.hold({scene: many}, 2.4, pattern_of(scene), lambda wanted: {of: moved(tmp_path / f"t{len(list(tmp_path.iterdir()))}", 9.0) for of in wanted})
     assert len(tried[scene]) == choice.MOST_ROUNDS + 1
-    assert "2.4 mm: 6 substeps with the exact backend. Its run is 2 mm" in choice.in_words(many, 2.4, tried[scene])
+    assert "2.4 mm: 6 substeps with the exact backend. Its run is 1.5 mm" in choice.in_words(many, 2.4, tried[scene])
 
 
 def test_bounds_that_nothing_can_hold(tmp_path):
@@ -432,7 +436,7 @@ def test_bounds_that_nothing_can_hold(tmp_path):
 
 def test_where_refining_has_not_settled_it_is_said(tmp_path):
     _, found = choices_with(tmp_path, {"substeps=3": 10.0, "substeps=6": 8.71, "substeps=12": 7.58, "substeps=24": 6.6})
-    assert "with their last step, since refining has not settled" in choice.in_words(found, 1.0, [])
+    assert "or more, since refining has not settled" in choice.in_words(found, 1.0, [])
 
 
 def test_chosen_cases_are_run_by_name_and_judged_by_scene(study, tmp_path, monkeypatch):

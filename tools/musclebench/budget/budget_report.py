@@ -45,6 +45,7 @@ CAPTION = (
     "refining has not settled. Times are medians over the frames of "
     "one run each, with forces told. Settling before the motion keeps its number of substeps."
 )
+WITHOUT = "no collision at all"
 SETTINGS_CAPTION = "The runs of the budget: what each setting moves, from the finest of its source or from the exact run, and its time."
 
 
@@ -101,7 +102,9 @@ def budget_of(runs: dict[SweptCase, Run]) -> Budget | str:
     starts = [differences(run, own) for case, run in runs.items() if case.group.name == "rounding" and run.status in MEASURED]
     ran = {case.group.name.replace("_", " ") for case in runs}
     missing = tuple(f"{name}: no finer run ended well" for name, source in refined.items() if name in ran and source is None)
-    return Budget(own.scene, own.muscle, own, sources, starts, missing)
+    without = next((run for case, run in runs.items() if case.group.name == "collision" and looks.backend(run.backend).is_control
+                    and run.status in MEASURED), None)
+    return Budget(own.scene, own.muscle, own, sources, starts, without, missing)
 
 
 def _refined(name: str, counts: dict[int, Run], own: int, exact: Run, unit: str) -> Source | None:
@@ -152,6 +155,9 @@ def _rows(budget: Budget) -> list[dict[str, object]]:
                      "left_mm": source.left_mm() if source.is_refined else math.nan, "halved_by": better.words if better else "",
                      "price": budget.times(better.run) / budget.times(source.own.run) if better else math.nan})
     starts = len(budget.floors)
+    if budget.without is not None:
+        rows.append({"muscle": budget.muscle, "scene": budget.scene, "source": WITHOUT, "setting": budget.without.backend,
+                     "status": budget.without.status, "reference": looks.title_and_name(budget.own.backend), **differences(budget.without, budget.own)})
     return [*rows, {"muscle": budget.muscle, "scene": budget.scene, "source": "rounding", "setting": f"{starts} starts", **budget.floor}]
 
 

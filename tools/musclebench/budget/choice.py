@@ -11,7 +11,7 @@ from ..experiments.sweeps import Configuration
 from ..program.registry import Registry
 from ..results.run_folder import Run
 from ..results.status import MEASURED
-from .sources import Budget, Source, frame_ms, shape_mm
+from .sources import Budget, Source, frame_ms, shape_mm, size_in_words
 
 MOST_ROUNDS = 4
 CHOSEN = "chosen"
@@ -154,19 +154,19 @@ def in_words(choices: Choices, bound_mm: float, tried: list[Candidate]) -> str:
         return f"{name}: nothing can hold {bound_mm:g} mm: rounding alone moves the shape by {floor_mm:.2g} mm."
     known = [one for one in choices.within(bound_mm) if one.run is not None]
     held = min((one for one in [*tried, *known] if choices.holds(one.run, bound_mm)), key=lambda one: frame_ms(_run_of(one)), default=None)
-    limit = f"from {choices.steps.reference.words}" if choices.steps.has_settled() else \
-        f"from {choices.steps.reference.words}, with their last step, since refining has not settled"
+    finest, left_mm = choices.steps.reference.words, choices.steps.left_mm()
+    limit = f"{finest} themselves may be off by {left_mm:.2g} mm" + ("" if choices.steps.has_settled() else " or more, since refining has not settled")
     if held is None:
         least = min((error for run in choices.loops.values() if not math.isnan(error := choices.error_mm(run))), default=math.nan)
-        said = f"nothing that was run holds {bound_mm:g} mm; the smallest error is {least:.2g} mm {limit}"
+        said = f"nothing that was run holds {bound_mm:g} mm; the smallest error is {least:.2g} mm, where {limit}"
     else:
         run = _run_of(held)
-        status = "" if run.status == "ok" else f", {run.status} as the exact run is"
-        said = (f"{bound_mm:g} mm: {held.words}. Its run is {choices.error_mm(run):.2g} mm {limit} (RMS at full flexion{status}), and takes about "
-                f"{choices.budget.times(run):.2g} times the time of the scene's own setting, {frame_ms(run):.3g} ms a frame")
+        status = "" if run.status == "ok" else f" ({run.status}, as the exact run is)"
+        said = (f"{bound_mm:g} mm: {held.words}. Its run is {shape_mm(run, choices.steps.reference.run):.2g} mm from {finest}{status}, and {limit}. "
+                f"It takes about {choices.budget.times(run):.2g} times the time of the scene's own setting, {frame_ms(run):.3g} ms a frame")
     others = [_failed(one, choices, bound_mm) for one in tried if not choices.holds(one.run, bound_mm)]
-    meshes = [f"{source.name} {shape:.2g} mm" for source in choices.budget.sources
-              if source.name.endswith("mesh") and (shape := source.errors().get("shape_mm")) is not None]
+    meshes = [f"{source.name} {size_in_words(source)}" for source in choices.budget.sources
+              if source.name.endswith("mesh") and "shape_mm" in source.errors()]
     on_top = [f"Mesh errors come on top: {', '.join(meshes)}"] if meshes else []
     return f"{name}: " + ". ".join([said, *others, *on_top, *choices.budget.missing]) + "."
 

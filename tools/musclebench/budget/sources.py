@@ -17,6 +17,7 @@ FIGURES = ("shape_mm", "arm_mm", "volume_percent", "surface_mm", "torque_percent
 SAME_ORDER = 0.5  # two orders that were seen differ by no more where refining has settled
 LEAST_ORDER = 0.5
 SETTLING = math.sqrt(2)  # a step is at least so many times shorter than the one before where it has settled without an order
+COUNTS = 0.05  # what the finest is off by, as a share of what is told
 ROUNDED = 1 + 1e-6  # a half that is one but for rounding
 
 
@@ -165,6 +166,7 @@ class Budget:
     own: Run  # exact, with the scene's own setting
     sources: list[Source]
     floors: list[dict[str, float]]  # what rounding alone changes, by FIGURES; of each start that ended well
+    without: Run | None = None  # that finds no collision at all
     missing: tuple[str, ...] = ()  # in words, sources of which no finer run ended well
 
     @property
@@ -189,8 +191,10 @@ def in_words(budget: Budget) -> str:
     if floor is not None and known[0].most_mm() <= floor:
         return f"{budget.scene}: no source moves the shape by more than {rounding}.{also}"
     largest, *others = known
-    told = "; ".join([*(f"{source.name} {_size(source)}" for source in others), rounding])
-    text = f"{budget.scene}: most of the shape's error comes from the {largest.name}: {_size(largest)} with {largest.own.words} ({told}).{also}"
+    told = "; ".join([*(f"{source.name} {size_in_words(source)}" for source in others), rounding])
+    text = f"{budget.scene}: most of the shape's error comes from the {largest.name}: {size_in_words(largest)} with {largest.own.words} ({told}).{also}"
+    shape = differences(budget.without, budget.own).get("shape_mm") if budget.without is not None else None
+    text += f" Without any collision the shape is {shape:.2g} mm from the exact run's." if shape is not None else ""
     return " ".join([text, *(_halving_in_words(source, budget) for source in known if source.is_refined and source.most_mm() > (floor or 0.0))])
 
 
@@ -203,7 +207,10 @@ def _halving_in_words(source: Source, budget: Budget) -> str:
     return f"What halves the error of the {source.name} is not known: refining it has not settled."
 
 
-def _size(source: Source) -> str:
-    """As an interval where the finest setting is itself off by much."""
-    own, most = f"{source.errors()['shape_mm']:.2g}", f"{source.most_mm():.2g}"
-    return f"{own} mm" if own == most else f"{own} to {most} mm"
+def size_in_words(source: Source) -> str:
+    return f"{with_rest(source.errors()['shape_mm'], source.left_mm())} mm"
+
+
+def with_rest(shape_mm: float, left_mm: float) -> str:
+    """What a source moves, and behind the sign what its finest setting is itself off by, where that counts."""
+    return f"{shape_mm:.2g} ± {left_mm:.2g}" if left_mm > COUNTS * shape_mm else f"{shape_mm:.2g}"

@@ -7,6 +7,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from ..budget.sources import with_rest
 from . import style
 from .style import plt
 
@@ -34,7 +35,7 @@ def draw_budget(rows: pd.DataFrame, stem: Path) -> list[Path]:
         _draw_bars(axes, part.assign(most_mm=most).sort_values("most_mm", ascending=False))
         axes.set_title(style.muscle_label(str(scene).replace("/", ", ")), loc="left")
         axes.xaxis.set_tick_params(labelbottom=True)
-    panels[-1, 0].set_xlim(min(0.3 * min(part["shape_mm"].min() for _, part in scenes), 0.1), 4 * every.max())
+    panels[-1, 0].set_xlim(min(0.3 * min(part["shape_mm"].min() for _, part in scenes), 0.1), 12 * every.max())
     panels[-1, 0].set_xlabel("how far the shape at full flexion moves, RMS (mm)")
     figure.tight_layout()
     return style.save_figure(figure, stem)
@@ -48,7 +49,7 @@ def _draw_bars(axes: Axes, part: pd.DataFrame) -> None:
     axes.barh(range(len(part)), part["shape_mm"], color=colours, height=0.75)
     for line, (value, most) in enumerate(zip(part["shape_mm"], part["most_mm"])):
         axes.plot([value, most], [line, line], color=style.NOTE_COLOUR, linewidth=1)
-        axes.text(most * 1.08, line, f"{value:.2g}", va="center", fontsize=style.SMALLEST_POINTS,
+        axes.text(most * 1.08, line, with_rest(value, most - value), va="center", fontsize=style.SMALLEST_POINTS,
                   bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6})
     if floor:
         axes.axvline(floor, color=style.NOTE_COLOUR, linewidth=0.8, linestyle="--", zorder=0)

@@ -9,6 +9,7 @@ from functools import partial
 import pandas as pd
 
 from ..budget import budget_report, substeps_table
+from ..budget.sources import with_rest
 from ..effects import effect_tables, guards, returns
 from ..hard import hard_tables
 from ..program.cli import Problem
@@ -118,24 +119,26 @@ def _coupled(measured: Measured, study: str, filters: str) -> str:
 
 
 def _budget_by_muscle(measured: Measured, study: str, filters: str) -> str:
-    """How far each source moves the shape, and that with what its finest setting is itself off by; a column a muscle."""
+    """How far each source moves the shape, and what its finest setting is itself off by; a column a muscle."""
     rows = chosen_rows(measured.table(f"{study}/budget"), filters, f"budget_by_muscle {study} {filters}")
     muscles = list(dict.fromkeys(rows["muscle"]))
     lines = ["| source of error | " + " | ".join(f"{muscle.replace('_', ' ')}, mm" for muscle in muscles) + " |", "| --- |" + " ---: |" * len(muscles)]
     for source in dict.fromkeys(rows["source"]):
         mine = rows[rows["source"] == source].set_index("muscle")
-        lines.append(f"| {source} | " + " | ".join(_moved(mine.loc[muscle]) if muscle in mine.index else "-" for muscle in muscles) + " |")
+        own = [rows[rows["muscle"] == muscle]["status"].iloc[0] for muscle in muscles]
+        cells = [_moved(mine.loc[muscle], status) if muscle in mine.index else "-" for muscle, status in zip(muscles, own)]
+        lines.append(f"| {source} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
-def _moved(row: pd.Series) -> str:
-    """As an interval where the finest setting is itself off by much."""
+def _moved(row: pd.Series, own_status: str) -> str:
+    """With the status of the run, where that is another than the muscle's own."""
     if pd.isna(row["shape_mm"]):
         return "-" if pd.isna(row["status"]) else str(row["status"])
     if row["shape_mm"] < LEAST_MOVED_MM:
         return f"below {LEAST_MOVED_MM:g}"
-    own, most = f"{row['shape_mm']:.2g}", f"{row['shape_mm'] + (0.0 if pd.isna(row['left_mm']) else row['left_mm']):.2g}"
-    return own if own == most else f"{own} to {most}"
+    text = with_rest(row["shape_mm"], 0.0 if pd.isna(row["left_mm"]) else row["left_mm"])
+    return text if pd.isna(row["status"]) or row["status"] == own_status else f"{text} ({row['status']})"
 
 
 def _libraries(measured: Measured, study: str, filters: str) -> str:
