@@ -31,7 +31,7 @@ def asked(file: ExperimentFile, options, registry: Registry) -> ExperimentFile:
         if group.name == "muscle_mesh":  # beside the two finest runs of the time step
             changes["times_substeps"] = doubled((1.0,), options.finest)[-2:]
         if group.name == "collision" and options.backend:
-            changes["backends"] = tuple(check_backend(name, registry) for name in options.backend)
+            changes["backends"] = tuple(dict.fromkeys(check_backend(name, registry) for name in options.backend))
         groups.append(replace(group, **changes))
     if options.error_mm is not None:
         groups.append(resolutions(next(group for group in groups if group.name == "collision"), registry))
@@ -65,17 +65,18 @@ def run_and_report(arguments) -> int:
         asked_now = dict.fromkeys(case.scene for case in sweep.cases if isinstance(case, SweptCase))
         found = {scene: choices_of(budget, {case: run for case, run in runs.items() if case.scene == scene}, registry)
                  for scene in asked_now if isinstance(budget := budgets.get(scene), Budget)}
-        chosen = [f"{scene.key}: nothing can be chosen: there is no finer time step to judge by."
-                  for scene in asked_now if found.get(scene) is None]
+        chosen = [f"{scene.key}: nothing can be chosen: no finer time step ended well." for scene, one in found.items() if one is None]
         choices = {scene: one for scene, one in found.items() if one is not None}
         extra: list[CaseGroup] = []
+        ran: list[SweptCase] = []
 
         def run_all(wanted: dict[Scene, CaseGroup]) -> dict[Scene, Run]:
             extra.extend(group for group in dict.fromkeys(wanted.values()) if group not in extra)
             wider = replace(file, groups=(*file.groups, *extra))
             more = sweep_of(wider, options, registry, folders)
             mine = [case for case in more.cases if isinstance(case, SweptCase) and wanted.get(case.scene) == case.group]
-            problems.extend(replace(more, cases=[*sweep.cases, *mine]).run(mine, limits_of(options)))
+            ran.extend(mine)
+            problems.extend(replace(more, cases=[*sweep.cases, *ran]).run(mine, limits_of(options)))
             done = read(more, wider)
             runs.update({case: done[case] for case in mine if case in done})
             return {case.scene: done[case] for case in mine if case in done}

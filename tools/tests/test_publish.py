@@ -341,7 +341,8 @@ def test_the_budget_of_each_muscle_is_a_column(small):
     rows = [("iliacus", "time step", "ok", 3.175, 0.33), ("iliacus", "collision, sdf", "suspect", 0.016, math.nan),
             ("iliacus", "rounding", math.nan, 0.0001, math.nan), ("psoas", "time step", "ok", 1.2, 0.001),
             ("psoas", "collision, sdf", "diverged", math.nan, math.nan)]
-    pd.DataFrame(rows, columns=["muscle", "source", "status", "shape_mm", "left_mm"]).to_csv(small.folder / "paper-lhdl" / "budget.csv", index=False)
+    table = pd.DataFrame([(f"lhdl/{row[0]}", *row) for row in rows], columns=["scene", "muscle", "source", "status", "shape_mm", "left_mm"])
+    table.to_csv(small.folder / "paper-lhdl" / "budget.csv", index=False)
     text = block(small, "budget_by_muscle paper-lhdl")
     assert text.startswith("| source of error | iliacus, mm | psoas, mm |\n")
     for row in ("| time step | 3.2 ± 0.33 | 1.2 |", "| collision, sdf | 0.016 (suspect) | diverged |", "| rounding | below 0.001 | - |"):

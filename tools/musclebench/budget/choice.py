@@ -62,8 +62,12 @@ class Choices:
     loops: dict[SweptCase, Run]  # exact runs with other substeps or iterations, and that of the scene's own
     backends: dict[SweptCase, Run]  # with the scene's own loop
 
+    @property
+    def floor_mm(self) -> float:
+        return self.budget.floor.get("shape_mm", 0.0)
+
     def error_mm(self, run: Run) -> float:
-        """From the limit: no more than to the finest run, and from there. NaN where the run did not end well, or worse than the
+        """To the finest run, and from there to the limit, as far as that is known. NaN where the run did not end well, or worse than the
         exact run of the scene's own setting."""
         ended = run.status in MEASURED and (run.status == "ok" or run.status == self.budget.own.status)
         return shape_mm(run, self.steps.reference.run) + self.steps.left_mm() if ended else math.nan
@@ -78,7 +82,7 @@ class Choices:
             exact = Candidate(self._loop_of(case), _words_of(case), None, self.error_mm(run), frame_ms(run), run)
             found.append(exact)
             found += [self._with_backend(exact, other, theirs) for other, theirs in self._different_backends()]
-        return sorted((one for one in found if one.expected_mm <= bound_mm), key=lambda one: one.expected_ms)
+        return sorted((one for one in found if one.expected_mm <= bound_mm), key=lambda one: _last_if_unknown(one.expected_ms))
 
     def _with_backend(self, exact: Candidate, case: SweptCase, run: Run) -> Candidate:
         own = self.budget.own
@@ -88,14 +92,21 @@ class Choices:
                        expected_ms=exact.expected_ms * frame_ms(run) / frame_ms(own), run=None)
 
     def _different_backends(self) -> list[tuple[SweptCase, Run]]:
-        """Once each: a default and the same said in parameters have the same states."""
-        known = {(run.backend, run.record.get("state_hash")): (case, run) for case, run in reversed(self.backends.items())}
-        return [known[key] for key in reversed(known)]
+        """Those with the same states once, the fastest: a default and the same said in parameters, all where nothing touches."""
+        known: dict[tuple[str, str], tuple[SweptCase, Run]] = {}
+        for case, run in sorted(self.backends.items(), key=lambda one: _last_if_unknown(frame_ms(one[1]))):
+            known.setdefault((run.backend, run.record.get("state_hash", case.name)), (case, run))
+        return list(known.values())
 
     def _loop_of(self, case: SweptCase) -> Loop:
         told = {one.axis: int(one.value) for one in case.point}
         own = case.scene
         return Loop(told.get("substeps", own.substeps) / own.substeps, told.get("iterations", own.iterations // own.substeps) * own.substeps / own.iterations)
+
+
+def _last_if_unknown(ms: float) -> float:
+    """Where all frames are warm-up."""
+    return math.inf if math.isnan(ms) else ms
 
 
 def _words_of(case: SweptCase) -> str:
@@ -125,7 +136,7 @@ def hold(choices: dict[Scene, Choices], bound_mm: float, pattern: CaseGroup,
          run_all: Callable[[dict[Scene, CaseGroup]], dict[Scene, Run]]) -> dict[Scene, list[Candidate]]:
     """Of each scene what was tried, in rounds: the fastest that is expected to hold, until one holds. What was run already is the
     last. `run_all`: a case a scene; those without a result are missing."""
-    left = {scene: own.within(bound_mm) for scene, own in choices.items()}
+    left = {scene: own.within(bound_mm) if bound_mm > own.floor_mm else [] for scene, own in choices.items()}
     tried: dict[Scene, list[Candidate]] = {scene: [] for scene in choices}
     for round_number in range(MOST_ROUNDS + 1):
         now = {scene: _next(some, round_number) for scene, some in left.items() if some and not _has_held(choices[scene], tried[scene], bound_mm)}
@@ -149,22 +160,29 @@ def _has_held(choices: Choices, tried: list[Candidate], bound_mm: float) -> bool
 
 def in_words(choices: Choices, bound_mm: float, tried: list[Candidate]) -> str:
     """`tried`: with their runs. The fastest of what held is named, by the times of the runs."""
-    name, floor_mm = choices.budget.scene, choices.budget.floor.get("shape_mm", 0.0)
-    if bound_mm <= floor_mm:
-        return f"{name}: nothing can hold {bound_mm:g} mm: rounding alone moves the shape by {floor_mm:.2g} mm."
+    name = choices.budget.scene
+    if bound_mm <= choices.floor_mm:
+        return f"{name}: nothing can hold {bound_mm:g} mm: rounding alone moves the shape by {choices.floor_mm:.2g} mm."
     known = [one for one in choices.within(bound_mm) if one.run is not None]
-    held = min((one for one in [*tried, *known] if choices.holds(one.run, bound_mm)), key=lambda one: frame_ms(_run_of(one)), default=None)
-    finest, left_mm = choices.steps.reference.words, choices.steps.left_mm()
-    limit = f"{finest} themselves may be off by {left_mm:.2g} mm" + ("" if choices.steps.has_settled() else " or more, since refining has not settled")
+    held = min((one for one in [*tried, *known] if choices.holds(one.run, bound_mm)), key=lambda one: _last_if_unknown(frame_ms(_run_of(one))), default=None)
+    reference, settled = choices.steps.reference, choices.steps.has_settled()
+    finest = reference.words + ("" if reference.run.status in ("ok", choices.budget.own.status) else f" ({reference.run.status})")
+    limit = f"{finest} themselves may be off by {choices.steps.left_mm():.2g} mm" + ("" if settled else " or more, since refining has not settled")
     if held is None:
         least = min((error for run in choices.loops.values() if not math.isnan(error := choices.error_mm(run))), default=math.nan)
-        said = f"nothing that was run holds {bound_mm:g} mm; the smallest error is {least:.2g} mm, where {limit}"
+        said = f"nothing that was run holds {bound_mm:g} mm; the smallest error is {least:.3g} mm, where {limit}"
     else:
         run = _run_of(held)
-        status = "" if run.status == "ok" else f" ({run.status}, as the exact run is)"
-        said = (f"{bound_mm:g} mm: {held.words}. Its run is {shape_mm(run, choices.steps.reference.run):.2g} mm from {finest}{status}, and {limit}. "
-                f"It takes about {choices.budget.times(run):.2g} times the time of the scene's own setting, {frame_ms(run):.3g} ms a frame")
+        status = "" if run.status == "ok" else f" ({run.status}, as the exact run is: {run.record.get('status_detail', '')})"
+        time = "The times are not known: all frames are warm-up" if math.isnan(frame_ms(run)) else \
+            f"It takes about {choices.budget.times(run):.2g} times the time of the scene's own setting, {frame_ms(run):.3g} ms a frame"
+        said = (f"{bound_mm:g} mm{'' if settled else ', as far as can be told'}: {held.words}. "
+                f"Its run is {shape_mm(run, reference.run):.2g} mm from {finest}{status}, and {limit}. {time}")
     others = [_failed(one, choices, bound_mm) for one in tried if not choices.holds(one.run, bound_mm)]
+    told = {one.words for one in tried}
+    untried = [one for one in choices.within(bound_mm) if one.run is None and one.words not in told
+               and (held is None or one.expected_ms < frame_ms(_run_of(held)))]
+    others += [f"{len(untried)} faster ones that should hold were not run"] if untried else []
     meshes = [f"{source.name} {size_in_words(source)}" for source in choices.budget.sources
               if source.name.endswith("mesh") and "shape_mm" in source.errors()]
     on_top = [f"Mesh errors come on top: {', '.join(meshes)}"] if meshes else []
@@ -177,8 +195,8 @@ def _run_of(candidate: Candidate) -> Run:
 
 
 def _failed(candidate: Candidate, choices: Choices, bound_mm: float) -> str:
-    expected = f"Of {candidate.words} {candidate.expected_mm:.2g} mm were expected"
+    expected = f"Of {candidate.words} {candidate.expected_mm:.3g} mm were expected"
     if candidate.run is None:
         return f"{expected}, and the run failed"
     error_mm = choices.error_mm(candidate.run)
-    return f"{expected}, and the run ended {candidate.run.status}" if math.isnan(error_mm) else f"{expected}, and its run is {error_mm:.2g} mm off"
+    return f"{expected}, and the run ended {candidate.run.status}" if math.isnan(error_mm) else f"{expected}, and its run is {error_mm:.3g} mm off"

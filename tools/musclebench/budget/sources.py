@@ -66,13 +66,16 @@ class Source:
         return not math.isnan(self.order()) or (len(steps) > 1 and steps[-1] * SETTLING <= steps[-2])
 
     def left_mm(self) -> float:
-        """How far the finest shape is itself from the limit: by Richardson's rule where an order is seen, else its last step.
-        0 of a reference that is exact."""
+        """How far the finest shape is itself from the limit: by Richardson's rule where an order is seen; else its last step, or more
+        where steps get shorter by less than a half each. 0 of a reference that is exact."""
         if not self.is_refined:
             return 0.0
         last, order = self._steps_mm[-1], self.order()
         still = shape_mm(self.nearly, self.reference.run) if self.nearly is not None else 0.0
-        return still + (last if math.isnan(order) else last / (2**order - 1))
+        if not math.isnan(order):
+            return still + last / (2**order - 1)
+        shorter = last / self._steps_mm[-2] if self.has_settled() and self._steps_mm[-2] > 0 else 0.0
+        return still + last * max(1.0, shorter / (1 - shorter))
 
     def most_mm(self) -> float:
         """The error of the shape, with what the reference is itself off by; NaN where it is not known."""

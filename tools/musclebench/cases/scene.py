@@ -44,6 +44,7 @@ class Scene:
     muscles: int = 1
     split_muscles: int = 0  # of its [meshes]
     smooth_bones: int = 0
+    has_step_changes: bool = False  # [[time_step_change]]
     effects: tuple[str, ...] = ()  # of scene and preset
     has_long_key: bool = False  # where two scenes would share a short one
     origin: dict = field(default_factory=dict, compare=False)  # ORIGIN_KEYS as the program writes them into a run.json
@@ -160,6 +161,7 @@ def told(scene: Scene, record: dict) -> Scene:
     splits = record["case"].get("meshes") or {}
     return replace(
         scene, nodes=record["muscle"]["vertices"], split_muscles=splits.get("split_muscles", 0), smooth_bones=splits.get("smooth_bones", 0),
+        has_step_changes=bool(loop.get("time_step_changes")),
         triangles=sum(bone.get("triangles", 0) for bone in bones) or REFERENCE_TRIANGLES, frames=loop["frames"],
         iterations=loop["substeps"] * loop["iterations"], substeps=loop["substeps"],
         muscles=len(record.get("muscles", [])) or 1, effects=tuple(record["case"].get("effects") or ()),

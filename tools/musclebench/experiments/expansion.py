@@ -63,13 +63,16 @@ class Expansion:
             axes.append([AxisValue("effects", one.name, tuple(one.options(scene.effects)), one)
                          for one in chosen_sets(scene, group, self.registry)])
         if counts := group.substeps or multiples(scene.substeps, group.times_substeps):  # the time of a frame stays the same
+            if scene.has_step_changes:
+                raise Problem(f"{scene.name}: [[time_step_change]] keeps its seconds however many substeps a frame has; take it out to refine the time step")
             axes.append([AxisValue("substeps", str(count), (
                 "--loop", f"substeps={count}", "--loop", f"time_step_s={scene.frame_time_s / count!r}"))
                 for count in counts])
         if counts := multiples(scene.iterations // scene.substeps, group.times_iterations):
             axes.append([AxisValue("iterations", str(count), ("--loop", f"iterations={count}")) for count in counts])
         for axis, more, own in (("split_muscles", group.split_muscles, scene.split_muscles), ("smooth_bones", group.smooth_bones, scene.smooth_bones)):
-            axes += [[AxisValue(axis, str(times), ("--meshes", f"{axis}={own + times}")) for times in more]] if more else []
+            if more:
+                axes.append([AxisValue(axis, str(times), ("--meshes", f"{axis}={own + times}")) for times in more if own + times <= self.registry.most_splits])
         if group.frames:
             axes.append([AxisValue("frames", str(count)) for count in group.frames])
         if group.mode == "kernels":

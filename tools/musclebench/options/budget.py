@@ -35,7 +35,8 @@ def parse_arguments(arguments, file: ExperimentFile):
                         help="backend whose collision error is told; may be repeated (default: all fast ones)")
     parser.add_argument("--error-mm", type=float, metavar="E",
                         help="also choose: the fastest time step, iterations, backend and resolution whose shape at full flexion is at most "
-                             "E mm (RMS) from that of the finest time step; what is told was run (default: nothing is chosen)")
+                             "E mm (RMS) off: its distance to that of the finest time step, and what that one may itself be off by; "
+                             "what is told was run (default: nothing is chosen)")
     add_frames_option(parser)
     add_run_options(parser, timeout=file.timeout_s)
     add_jobs_option(parser)

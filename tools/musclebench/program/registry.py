@@ -124,6 +124,7 @@ class Registry:
     effects: tuple[str, ...] = ()  # in the program's order
     effect_helps: tuple[tuple[str, str], ...] = ()  # (name, what it does)
     text: str = field(default="", compare=False)  # as the program printed it
+    most_splits: int = 4  # of the triangles of a mesh
 
     @property
     def names(self) -> list[str]:
@@ -200,9 +201,10 @@ def parse_registry(text: str, source: str) -> Registry:
         presets = tuple(one["name"] for one in told["presets"])
         effects = tuple(one["name"] for one in told.get("effects", []))
         effect_helps = tuple((one["name"], one["help"]) for one in told.get("effects", []) if one.get("help"))
+        most_splits = min((int(one["maximum"]) for one in told.get("meshes", [])), default=Registry.most_splits)
     except (ValueError, KeyError, TypeError) as problem:
         raise Problem(f"{source}: not what 'musclebench list --json' prints ({problem!r})") from None
-    registry = Registry(backends, scenes, presets, effects, effect_helps, text)
+    registry = Registry(backends, scenes, presets, effects, effect_helps, text, most_splits)
     _check_studies(registry, source)
     return registry
 

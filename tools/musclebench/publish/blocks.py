@@ -121,12 +121,12 @@ def _coupled(measured: Measured, study: str, filters: str) -> str:
 def _budget_by_muscle(measured: Measured, study: str, filters: str) -> str:
     """How far each source moves the shape, and what its finest setting is itself off by; a column a muscle."""
     rows = chosen_rows(measured.table(f"{study}/budget"), filters, f"budget_by_muscle {study} {filters}")
-    muscles = list(dict.fromkeys(rows["muscle"]))
-    lines = ["| source of error | " + " | ".join(f"{muscle.replace('_', ' ')}, mm" for muscle in muscles) + " |", "| --- |" + " ---: |" * len(muscles)]
+    muscles = rows.drop_duplicates("scene").set_index("scene")  # the first row of each has the status of its own setting
+    heads = muscles["muscle"].where(~muscles["muscle"].duplicated(keep=False), muscles.index.to_series())
+    lines = ["| source of error | " + " | ".join(f"{head.replace('_', ' ')}, mm" for head in heads) + " |", "| --- |" + " ---: |" * len(heads)]
     for source in dict.fromkeys(rows["source"]):
-        mine = rows[rows["source"] == source].set_index("muscle")
-        own = [rows[rows["muscle"] == muscle]["status"].iloc[0] for muscle in muscles]
-        cells = [_moved(mine.loc[muscle], status) if muscle in mine.index else "-" for muscle, status in zip(muscles, own)]
+        mine = rows[rows["source"] == source].set_index("scene")
+        cells = [_moved(mine.loc[scene], status) if scene in mine.index else "-" for scene, status in muscles["status"].items()]
         lines.append(f"| {source} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
@@ -135,9 +135,10 @@ def _moved(row: pd.Series, own_status: str) -> str:
     """With the status of the run, where that is another than the muscle's own."""
     if pd.isna(row["shape_mm"]):
         return "-" if pd.isna(row["status"]) else str(row["status"])
-    if row["shape_mm"] < LEAST_MOVED_MM:
+    left_mm = 0.0 if pd.isna(row["left_mm"]) else row["left_mm"]
+    if row["shape_mm"] + left_mm < LEAST_MOVED_MM:
         return f"below {LEAST_MOVED_MM:g}"
-    text = with_rest(row["shape_mm"], 0.0 if pd.isna(row["left_mm"]) else row["left_mm"])
+    text = with_rest(row["shape_mm"], left_mm)
     return text if pd.isna(row["status"]) or row["status"] == own_status else f"{text} ({row['status']})"
 
 
