@@ -40,9 +40,9 @@ CAPTION = (
     "the volume, of its volume at rest; difference of the largest depth of the surface; joint torque and peak pressure in percent of "
     "the other run's. Rounding: the largest difference of starts that are off by 1 to 3e-12 m; a source below it tells nothing. Order "
     "p: the shape's error falls as 1 / refinement^p; empty where the last steps don't agree on one. Reference off by: how far the "
-    "finest shape is itself from the limit, by Richardson's rule where there is an order, else its last step (more where steps shrink slowly); of the "
-    "finer muscle mesh, what its last doubling of the substeps moved beside. Halved by: the first finer setting with at most half of the shape's error; empty where "
-    "refining has not settled. Times are medians over the frames of "
+    "finest shape is itself from the limit, by Richardson's rule where there is an order, else its last step (more where steps shrink "
+    "slowly); of the finer muscle mesh, what its last doubling of the substeps moved beside. Halved by: the first finer setting with at "
+    "most half of the shape's error; empty where refining has not settled. Times are medians over the frames of "
     "one run each, with forces told. Settling before the motion keeps its number of substeps."
 )
 WITHOUT = "no collision at all"
