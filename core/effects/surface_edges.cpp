@@ -99,8 +99,8 @@ ParameterSpec per_area_flag(const std::string& constraint) {
   return parameter::flag({.name = "per_area",
                           .default_value = false,
                           .help = "the compliance is that of one " + constraint +
-                                  " between equilateral triangles, and others get theirs by area and length, so that "
-                                  "the surface is nearly as stiff on other meshes; nothing without a compliance"});
+                                  " between equilateral triangles; others get theirs by area and length. Nothing "
+                                  "without a compliance"});
 }
 
 }  // namespace musclebench
