@@ -11,7 +11,8 @@ READERS = [PROJECT / "core/scene" / name
 def keys_of_the_reader() -> set[str]:
     text = "".join(file.read_text() for file in READERS)
     lists = re.findall(r"(?:allow_only\(|body_keys\(|placement_keys = )\{(.*?)\}", text, re.S)
-    return {key for found in lists for key in re.findall(r'"(\w+)"', found)}
+    meshes = re.search(r"mesh_parameters\(\) \{(.*?)\n\}", (PROJECT / "core/scene/scene.cpp").read_text(), re.S)
+    return {key for found in lists for key in re.findall(r'"(\w+)"', found)} | set(re.findall(r'\.name = "(\w+)"', meshes.group(1)))
 
 
 def keys_of_the_page() -> set[str]:

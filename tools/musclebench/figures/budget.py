@@ -72,7 +72,7 @@ def draw_substeps(rows: pd.DataFrame, stem: Path) -> list[Path]:
     if shown.empty:
         return []
     style.apply_style()
-    figure, axes = plt.subplots(figsize=(style.COLUMN_INCHES, 2.6))
+    figure, axes = plt.subplots(figsize=(style.COLUMN_INCHES, 2.9))
     for (scene, curve), shape in zip(shown.groupby("scene", sort=False), "osD^v<>PX"):
         name = style.muscle_label(str(scene).rpartition("/")[2])
         line, = axes.plot(curve["substeps"], curve["rms_mm"], shape, linestyle="-", linewidth=1, markersize=4, label=name)
@@ -83,6 +83,6 @@ def draw_substeps(rows: pd.DataFrame, stem: Path) -> list[Path]:
     for one in (axes.xaxis, axes.yaxis):
         one.set_major_formatter(PLAIN)
         one.set_minor_formatter(NullFormatter())
-    axes.legend(loc="lower left", frameon=False)
+    axes.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=2, frameon=False, borderaxespad=0.2)
     figure.tight_layout()
     return style.save_figure(figure, stem)

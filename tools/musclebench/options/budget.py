@@ -1,8 +1,8 @@
 """Says where the error of a run comes from, and what halving it costs.
 
-The tool runs a scene with its own settings and the exact backend. Then it refines one source of error at a time: the time step
-(more substeps in a frame of the same time), the iterations, the mesh of the muscle (four triangles for one) and those of the
-bones (four and sixteen), collision (other backends with their defaults). Starts that are off by
+The tool runs a scene with its own settings and the exact backend. Then it refines one source of error at a time. The time step
+gets smaller, by more substeps in a frame of the same time. There are more iterations. The mesh of the muscle has four triangles
+for one, those of the bones four and sixteen. Other backends find the collisions, with their defaults. Starts that are off by
 rounding give the floor. A table in --out has what each source moves: the shape, moment arm, volume, surface depth, joint torque
 and peak pressure. Sentences for each scene (budget.txt) say which source is the largest, and which settings halve the errors that
 were refined.
