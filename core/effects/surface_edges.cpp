@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
-#include <numeric>
+
+#include "core/constraints/graph_colours.hpp"
 
 namespace musclebench {
 
@@ -40,41 +40,14 @@ std::vector<SurfaceEdge> edges_in_mesh_order(const TriangleMesh& mesh) {
   return edges;
 }
 
-/// Greedy colouring: the smallest colour that no vertex of the edge has yet. 64 colours are enough for up to about 20
-/// triangles a vertex; edges beyond share the last colour, which only costs speed.
-std::vector<int> colours_of(const std::vector<SurfaceEdge>& edges, std::size_t vertices) {
-  constexpr int last_colour = 63;
-  std::vector<std::uint64_t> seen(vertices, 0);
-  std::vector<int> colours;
-  colours.reserve(edges.size());
-  for (const SurfaceEdge& edge : edges) {
-    const std::array<int, 4> corners = {edge.start, edge.end, edge.left, edge.right};
-    std::uint64_t taken = 0;
-    for (const int corner : corners) {
-      taken |= corner >= 0 ? seen[corner] : 0;
-    }
-    int colour = 0;
-    while (colour < last_colour && ((taken >> colour) & 1U) != 0) {
-      ++colour;
-    }
-    for (const int corner : corners) {
-      if (corner >= 0) {
-        seen[corner] |= std::uint64_t{1} << colour;
-      }
-    }
-    colours.push_back(colour);
-  }
-  return colours;
-}
-
 }  // namespace
 
 std::vector<SurfaceEdge> surface_edges(const TriangleMesh& mesh) {
   const std::vector<SurfaceEdge> edges = edges_in_mesh_order(mesh);
-  const std::vector<int> colours = colours_of(edges, mesh.vertices.size());
-  std::vector<int> order(edges.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return colours[a] < colours[b]; });
+  std::vector<std::array<int, 4>> corners;
+  corners.reserve(edges.size());
+  for (const SurfaceEdge& edge : edges) corners.push_back({edge.start, edge.end, edge.left, edge.right});
+  const std::vector<int> order = order_by_colour<4>(corners, mesh.vertices.size());
   std::vector<SurfaceEdge> coloured;
   coloured.reserve(edges.size());
   for (const int edge : order) {
