@@ -4,8 +4,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
-#include <Eigen/SparseCholesky>
+#include "core/fibres/surface_laplace.hpp"
 
 namespace musclebench {
 
@@ -14,63 +15,15 @@ namespace {
 /// The harmonic function of the surface with the given boundary values; empty where the system has no unique solution.
 std::vector<double> harmonic_function(const TriangleMesh& mesh, const std::vector<int>& origin,
                                       const std::vector<int>& insertion) {
-  const std::size_t count = mesh.vertices.size();
-  std::vector<double> values(count, std::numeric_limits<double>::quiet_NaN());
+  std::vector<double> values(mesh.vertices.size(), std::numeric_limits<double>::quiet_NaN());
   for (const int node : origin) {
     values[node] = 0;
   }
   for (const int node : insertion) {
     values[node] = 1;
   }
-  // A vertex without triangles has no equation.
-  std::vector<bool> used(count, false);
-  for (const Triangle& triangle : mesh.triangles) {
-    for (const int corner : triangle) {
-      used[corner] = true;
-    }
-  }
-  std::vector<int> unknown(count, -1);
-  int unknowns = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    unknown[i] = std::isnan(values[i]) && used[i] ? unknowns++ : -1;
-  }
-  std::vector<Eigen::Triplet<double>> entries;
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(unknowns);
-  const auto join = [&](int i, int j, double weight) {
-    if (unknown[i] < 0) {
-      return;
-    }
-    entries.emplace_back(unknown[i], unknown[i], weight);
-    if (unknown[j] >= 0) {
-      entries.emplace_back(unknown[i], unknown[j], -weight);
-    } else {
-      right[unknown[i]] += weight * values[j];
-    }
-  };
-  for (const Triangle& triangle : mesh.triangles) {
-    for (int corner = 0; corner < 3; ++corner) {
-      const int i = triangle[corner];
-      const int j = triangle[(corner + 1) % 3];
-      const Vec3 to_i = mesh.vertices[i] - mesh.vertices[triangle[(corner + 2) % 3]];
-      const Vec3 to_j = mesh.vertices[j] - mesh.vertices[triangle[(corner + 2) % 3]];
-      const double sine = to_i.cross(to_j).norm();
-      // Positive and bounded weights give a maximum principle (no extrema inside) on any triangulation.
-      const double cotangent = sine > 0 ? std::clamp(to_i.dot(to_j) / sine, 0.01, 100.0) : 0.01;
-      join(i, j, cotangent);
-      join(j, i, cotangent);
-    }
-  }
-  Eigen::SparseMatrix<double> matrix(unknowns, unknowns);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(matrix);
-  if (solver.info() != Eigen::Success) {
-    return {};
-  }
-  const Eigen::VectorXd solution = solver.solve(right);
-  for (std::size_t i = 0; i < count; ++i) {
-    values[i] = unknown[i] >= 0 ? solution[unknown[i]] : values[i];
-  }
-  return values;
+  // Positive and bounded weights give a maximum principle (no extrema inside) on any triangulation.
+  return solve_on_surface(mesh, std::move(values), {}, {0.01, 100.0});
 }
 
 /// Unit gradient of a function that is linear on the triangle; zero where it is constant.

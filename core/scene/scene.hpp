@@ -11,6 +11,7 @@
 #include "core/contact/collision_backend.hpp"
 #include "core/contact/muscle_contact.hpp"
 #include "core/contact/response.hpp"
+#include "core/fibres/end_nodes.hpp"
 #include "core/fibres/fibre_segments.hpp"
 #include "core/mesh/bound_node.hpp"
 #include "core/pbd/simulation.hpp"
@@ -111,13 +112,6 @@ struct AutoEffects {
   bool keeps_out_muscle_contact = false;  ///< the scene says `muscle_contact = false`
   std::vector<AddedEffect> added = {};
   std::string resolved_text = {};  ///< a scene file that names all effects, after they were added
-};
-
-/// The attached nodes of one muscle, numbered from its first node. `origin` has those on the bone of the first
-/// attachment, `insertion` all others.
-struct EndNodes {
-  std::vector<int> origin;
-  std::vector<int> insertion;
 };
 
 /// A complete and checked description of a simulation. All files have been read and all parameters are known. Lengths
