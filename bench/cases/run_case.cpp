@@ -371,8 +371,9 @@ class CaseRunner {
   }
 
   void note_slack_fibres() {
-    const bool is_activated =
-        std::ranges::find(m_scene.effects, "activation", &SceneEffect::name) != m_scene.effects.end();
+    const bool is_activated = std::ranges::any_of(m_scene.effects, [](const SceneEffect& effect) {
+      return effect.name == "activation" || (effect.name == "fibre_force" && effect.parameters.number("level") > 0);
+    });
     if (m_result.fibres.empty() || is_activated) return;
     std::vector<std::string> names;
     for (const Muscle& muscle : m_scene.muscles) names.push_back(muscle.body.name);

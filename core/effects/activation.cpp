@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/constraints/length_constraints.hpp"
+#include "core/effects/activation_course.hpp"
 #include "core/effects/surface_edges.hpp"
 #include "core/fibres/fibre_alignment.hpp"
 
@@ -14,18 +16,6 @@ namespace {
 /// Edges that are more across than along count less than this and are left out.
 constexpr double least_alignment = 0.5;
 
-struct Course {
-  double start_s, rise_s, hold_s, fall_s, level;
-
-  [[nodiscard]] double activation_at(double time_s) const {
-    const auto share = [](double passed_s, double of_s) {
-      return of_s > 0 ? std::clamp(passed_s / of_s, 0.0, 1.0) : (passed_s >= 0 ? 1.0 : 0.0);
-    };
-    const double rising_s = time_s - start_s;
-    return level * (share(rising_s, rise_s) - share(rising_s - rise_s - hold_s, fall_s));
-  }
-};
-
 /// Squares of the parts of an edge along its fibre and across it, at rest.
 struct EdgeParts {
   double along_m2;
@@ -34,7 +24,8 @@ struct EdgeParts {
 
 class Activation final : public Effect {
  public:
-  Activation(const Course& course, double shortening, LengthConstraints constraints, std::vector<EdgeParts> parts)
+  Activation(const ActivationCourse& course, double shortening, LengthConstraints constraints,
+             std::vector<EdgeParts> parts)
       : m_course(course), m_shortening(shortening), m_constraints(std::move(constraints)), m_parts(std::move(parts)) {}
 
   [[nodiscard]] std::string_view name() const override { return "activation"; }
@@ -56,11 +47,9 @@ class Activation final : public Effect {
 
  private:
   /// Relative to rest.
-  [[nodiscard]] double fibre_length_at(double time_s) const {
-    return 1 - m_shortening * m_course.activation_at(time_s);
-  }
+  [[nodiscard]] double fibre_length_at(double time_s) const { return 1 - m_shortening * m_course.at(time_s); }
 
-  Course m_course;
+  ActivationCourse m_course;
   double m_shortening;
   LengthConstraints m_constraints;
   std::vector<EdgeParts> m_parts;  ///< by constraint
@@ -86,39 +75,27 @@ std::unique_ptr<Effect> make_activation(const EffectInput& input, const Paramete
     constraints.push_back({{edge.start, edge.end}, std::sqrt(squared_m2), 1, compliance / share});
     parts.push_back({along_m2, std::max(0.0, squared_m2 - along_m2)});
   }
-  const Course course{parameters.number("start_s"), parameters.number("rise_s"), parameters.number("hold_s"),
-                      parameters.number("fall_s"), parameters.number("level")};
-  return std::make_unique<Activation>(course, parameters.number("shortening"),
+  return std::make_unique<Activation>(ActivationCourse(parameters), parameters.number("shortening"),
                                       LengthConstraints(constraints, input.order), std::move(parts));
 }
 
 std::vector<ParameterSpec> activation_parameters() {
-  constexpr double longest_s = 1e6;
-  const auto seconds = [](const char* name, double by_default, const char* help) {
-    return parameter::number(
-        {.name = name, .unit = "s", .default_value = by_default, .minimum = 0, .maximum = longest_s, .help = help});
-  };
-  return {parameter::number({.name = "level",
-                             .default_value = 1,
-                             .minimum = 0,
-                             .maximum = 1,
-                             .help = "level of the activation after its rise"}),
-          parameter::number({.name = "shortening",
-                             .default_value = 0.2,
-                             .minimum = 0,
-                             .maximum = 0.6,
-                             .help = "shortening of free fibres at full activation, as a share of their length"}),
-          parameter::number({.name = "compliance_m_per_n",
-                             .unit = "m/N",
-                             .default_value = 0.005,
-                             .minimum = 0,
-                             .maximum = 1e6,
-                             .help = "compliance of an edge along the fibres (XPBD), larger for other edges; 0: none"}),
-          per_area_flag("edge"),
-          seconds("start_s", 0, "time at which the activation begins to rise, from the start of the run"),
-          seconds("rise_s", 0.1, "duration of the rise"),
-          seconds("hold_s", longest_s, "duration at the full level"),
-          seconds("fall_s", 0.1, "duration of the fall")};
+  std::vector<ParameterSpec> parameters = {
+      activation_level_parameter(),
+      parameter::number({.name = "shortening",
+                         .default_value = 0.2,
+                         .minimum = 0,
+                         .maximum = 0.6,
+                         .help = "shortening of free fibres at full activation, as a share of their length"}),
+      parameter::number({.name = "compliance_m_per_n",
+                         .unit = "m/N",
+                         .default_value = 0.005,
+                         .minimum = 0,
+                         .maximum = 1e6,
+                         .help = "compliance of an edge along the fibres (XPBD), larger for other edges; 0: none"}),
+      per_area_flag("edge")};
+  std::ranges::move(activation_time_parameters(), std::back_inserter(parameters));
+  return parameters;
 }
 
 }  // namespace musclebench

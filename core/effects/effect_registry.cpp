@@ -5,6 +5,7 @@
 #include "core/effects/bending.hpp"
 #include "core/effects/damping.hpp"
 #include "core/effects/edge_length.hpp"
+#include "core/effects/fibre_force.hpp"
 #include "core/effects/friction.hpp"
 #include "core/effects/gravity.hpp"
 #include "core/effects/local_volume.hpp"
@@ -27,6 +28,8 @@ const std::vector<EffectEntry>& effect_registry() {
       {"edge_length", "edges keep their rest length, softer along the fibres", edge_length_parameters(),
        make_edge_length},
       {"activation", "fibres shorten by a course over time", activation_parameters(), make_activation},
+      {"fibre_force", "fibres pull: active, passive and by speed (Hill), and push never", fibre_force_parameters(),
+       make_fibre_force},
       {"volume", "the closed surface keeps its volume", volume_parameters(), make_volume},
       {"local_volume", "each of several regions along the muscle keeps its volume", local_volume_parameters(),
        make_local_volume},

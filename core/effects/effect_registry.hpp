@@ -12,6 +12,7 @@
 #include "core/contact/contact_properties.hpp"
 #include "core/contact/response.hpp"
 #include "core/contact/surface_queries.hpp"
+#include "core/fibres/end_nodes.hpp"
 #include "core/fibres/fibre_segments.hpp"
 #include "core/mesh/body.hpp"
 #include "core/mesh/bound_node.hpp"
@@ -30,6 +31,7 @@ struct EffectInput {
   const std::vector<std::vector<FibreSegment>>& fibres;  ///< by body
   const std::vector<BoundNode>& bound_nodes;
   const std::vector<RigidMotion>& rest_poses;
+  std::span<const EndNodes> ends = {};  ///< by body; empty: none is known
 };
 
 /// What contact stages are constructed from. Outlives them unless said otherwise.

@@ -145,7 +145,7 @@ std::vector<std::string> slack_notes(std::span<const std::string> names, std::sp
     notes.push_back(
         fmt::format("the fibres of {} are shorter than at rest in {} of {} frames, and nothing pulls on "
                     "them: where they are slack, the slope of their length is no moment arm of a taut "
-                    "muscle (add activation)",
+                    "muscle (add fibre_force with a low level)",
                     names[muscle], slack, moved.size()));
   }
   return notes;

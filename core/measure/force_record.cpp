@@ -11,7 +11,7 @@ namespace musclebench {
 
 namespace {
 
-constexpr std::array<Column<ForceRow>, 20> force_table{{
+constexpr std::array<Column<ForceRow>, 21> force_table{{
     {{"frame", "", "1 for the first"}, [](const ForceRow& r) { return fmt::format("{}", r.frame); }},
     {{"angle_deg", "deg", "of the bone that turns"},
      [](const ForceRow& r) { return number_cell(r.angle_rad * degrees_per_radian); }},
@@ -41,7 +41,9 @@ constexpr std::array<Column<ForceRow>, 20> force_table{{
      [](const ForceRow& r) { return number_cell(r.area_m2); }},
     {{"peak_pressure_pa", "Pa", "of contact: largest push of a node over its area"},
      [](const ForceRow& r) { return number_cell(r.peak_pressure_pa); }},
-    {{"active_n", "N", "of an attachment: size of the activation's part"},
+    {{"fibres_n", "N", "of an attachment: mean force along all fibres of its muscle (`fibre_force`)"},
+     [](const ForceRow& r) { return number_cell(r.fibres_n); }},
+    {{"active_n", "N", "of an attachment: size of the part of `activation` or `fibre_force`"},
      [](const ForceRow& r) { return number_cell(r.active_n); }},
     {{"passive_n", "N",
       "of an attachment: the part of all other effects along the active part, < 0: against it; its size where nothing "

@@ -37,7 +37,8 @@ struct ForceRow {
   std::optional<double> area_m2 = {};           ///< that faces the pushes: a third of the triangles about each node
   std::optional<double> peak_pressure_pa = {};  ///< largest push of a node over its area
   // Of an attachment.
-  std::optional<double> active_n = {};  ///< size of the activation's part
+  std::optional<double> fibres_n = {};  ///< of its muscle: the mean force along all fibres; nothing: no fibres pull
+  std::optional<double> active_n = {};  ///< size of the part of the effects that pull along fibres
   /// The part of all other effects along the active part; < 0: against it. Its size where there is no active part.
   std::optional<double> passive_n = {};
   /// What the force does to the bone, about the axis of its first rotation that turns; nothing: the bone stands still.

@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "core/mesh/rigid_motion.hpp"
 #include "core/pbd/node_rows.hpp"
@@ -41,6 +42,14 @@ class Effect {
   /// Called once in each solver iteration. Constraints correct the predicted positions in `rows` (m). The caller waits
   /// for the team before and after the call.
   virtual void project(NodeRows& /*rows*/, const SubstepInput& /*input*/, const Team& /*team*/) {}
+
+  // One thread calls these.
+
+  /// Called before the first substep of each frame.
+  virtual void begin_frame() {}
+  /// Of an effect whose fibres pull: for each muscle the mean force along all fibres times the time since
+  /// `begin_frame`, N s. Empty for all others.
+  [[nodiscard]] virtual std::vector<double> fibre_impulses_n_s() const { return {}; }
 };
 
 }  // namespace musclebench

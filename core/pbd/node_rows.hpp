@@ -56,6 +56,7 @@ class NodeRows {
   NodeRow& operator[](std::size_t row) { return m_rows[row]; }
   const NodeRow& operator[](std::size_t row) const { return m_rows[row]; }
   [[nodiscard]] NodeRow* data() { return m_rows.data(); }
+  [[nodiscard]] const NodeRow* data() const { return m_rows.data(); }
 
   /// Where constraints add up what they do from now on, by row, padding included: mass times correction, kg m. Of a
   /// node that a bone carries, too, which is not moved: its bone bears them. Null: nobody asks.

@@ -147,6 +147,7 @@ const StageTimes& Simulation::step_frame(int frame, CollisionObserver* observer)
   m_lost.clear();
   m_was_stopped = false;
   if (m_impulses) m_impulses->begin_frame(time_step_s);
+  for (const auto& effect : m_effects) effect->begin_frame();
   m_depenetration_m = m_loop.depenetration_m_per_s > 0 ? m_loop.depenetration_m_per_s * time_step_s / m_loop.iterations
                                                        : std::numeric_limits<double>::infinity();
   for (m_substep = 0; m_substep < m_loop.substeps && !has_ended();) {

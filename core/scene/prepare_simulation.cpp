@@ -94,7 +94,11 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
   const std::vector<Body> bodies = scene.bodies();
   const std::vector<std::vector<FibreSegment>> fibres = scene.fibres_with(prepared.bound_nodes);
   NodeOrder order(scene.muscle_mesh.vertices, bodies);
-  const EffectInput input{scene.muscle_mesh, bodies, order, fibres, prepared.bound_nodes, rest_poses};
+  std::vector<EndNodes> ends;
+  for (std::size_t muscle = 0; muscle < scene.muscles.size(); ++muscle) {
+    ends.push_back(scene.end_nodes(muscle, prepared.bound_nodes));
+  }
+  const EffectInput input{scene.muscle_mesh, bodies, order, fibres, prepared.bound_nodes, rest_poses, ends};
   const std::vector<NamedEffect> named = named_effects(scene);
   for (const auto& [entry, parameters] : named) {
     if (!entry->make) continue;

@@ -13,6 +13,16 @@ namespace {
 /// them would have no area.
 constexpr double least_facing = 0.25;
 
+/// Of each muscle, the mean force along its fibres over the frame; empty: no effect's fibres pull.
+std::vector<double> fibre_forces_n(const Simulation& simulation) {
+  for (const auto& effect : simulation.effects()) {
+    std::vector<double> forces_n = effect->fibre_impulses_n_s();
+    for (double& force_n : forces_n) force_n /= simulation.impulses()->duration_s();
+    if (!forces_n.empty()) return forces_n;
+  }
+  return {};
+}
+
 /// Share of all contact that may be of an unknown collider in the row of a joint.
 constexpr double most_unknown = 0.001;
 
@@ -157,7 +167,7 @@ ForceWatch::Told ForceWatch::attachment(const Carried& carried, const Simulation
     for (std::size_t effect = 0; effect < effects.size(); ++effect) {
       const Vec3 force_n = per_duration * impulses.of_effect(effect, node);
       sum_n += force_n;
-      if (effects[effect]->name() == "activation") active_n += force_n;
+      if (effects[effect]->name() == "activation" || effects[effect]->name() == "fibre_force") active_n += force_n;
     }
     of_effects_n += sum_n;
     for (std::size_t collider = 0; collider < contacts.colliders(); ++collider) {
@@ -199,9 +209,11 @@ std::vector<ForceRow> ForceWatch::frame(int number, const Simulation& simulation
         rows.push_back(std::move(told.row));
     }
   }
+  const std::vector<double> fibres_n = fibre_forces_n(simulation);
   for (const Carried& carried : m_carried) {
     if (!tells_attachments) break;
     Told told = attachment(carried, simulation);
+    if (!fibres_n.empty()) told.row.fibres_n = fibres_n[carried.muscle];
     of_bones[static_cast<std::size_t>(carried.bone)].add(told.on_other);
     rows.push_back(std::move(told.row));
   }

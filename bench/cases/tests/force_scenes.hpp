@@ -49,8 +49,9 @@ compliance_m_per_n = 1e-5
   return read_scene(request);
 }
 
-/// A strap of 100 mm from a bone that stands to one that turns about an axis 30 mm below its end.
-inline Scene taut_strap() {
+/// A strap of 100 mm from a bone that stands to one that turns about an axis 30 mm below its end. `pulls`: what pulls,
+/// in the words of a scene file.
+inline Scene taut_strap(const std::string& pulls = "[effects.edge_length]\ncompliance_m_per_n = 0.05\n") {
   SceneRequest request = request_of(R"(
 [loop]
 frames = 30
@@ -61,10 +62,9 @@ bone_motion = "interpolated"
 [effects.damping]
 rate_per_s = 100
 [effects.attachment]
-[effects.edge_length]
-compliance_m_per_n = 0.05
 [effects.volume]
-)" + bone("left") + bone("right") + R"([bone.motion]
+)" + pulls + bone("left") + bone("right") +
+                                    R"([bone.motion]
 axis = [0, 1, 0]
 centre_m = [0.05, 0, -0.03]
 from_deg = 0

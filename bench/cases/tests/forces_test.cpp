@@ -142,6 +142,33 @@ TEST(Forces, OfATautStrapTurnItsBoneByTheMomentArmTimesTheTension) {
   EXPECT_EQ(compared, 19);
 }
 
+/// The same of fibres that a Hill muscle pulls with, whose force is told. The bone turns towards the strap's other end,
+/// so that nothing but its fibres keeps it taut; so little that its edges, which resist that, bear 2 % of the force.
+TEST(Forces, OfActiveFibresTurnTheirBoneByTheMomentArmTimesTheirForce) {
+  Scene scene = force_scenes::taut_strap(
+      "[effects.edge_length]\ncompliance_m_per_n = 0.1\n[effects.fibre_force]\nlevel = 0.3\nrise_s = 0\n");
+  scene.loop.substeps = 80;
+  scene.loop.time_step_s = 0.25e-3;
+  for (BoneMotion& motion : scene.motions) {
+    for (BoneRotation& rotation : motion.rotations) {
+      for (double& angle_rad : rotation.angles_rad) angle_rad *= -0.25;
+    }
+  }
+  const RunResult run = told(scene);
+  const FibreTables fibres = fibre_tables(std::vector<std::string>{"strap"}, run.fibres);
+  int compared = 0;
+  for (const ForceRow& row : run.forces) {
+    if (row.source != ForceSource::attachment || row.other != "insertion" || row.frame < 15 || row.frame > 28) continue;
+    const auto arm = std::ranges::find(fibres.muscles, row.frame, &FibreRow::frame);
+    ASSERT_TRUE(arm != fibres.muscles.end() && arm->of_mean && row.fibres_n);
+    EXPECT_GT(*row.fibres_n, 3);
+    EXPECT_NEAR(*row.torque_n_m, -arm->of_mean->arm_m * *row.fibres_n, 0.03 * std::abs(*row.torque_n_m))
+        << "frame " << row.frame << " " << *row.fibres_n;
+    ++compared;
+  }
+  EXPECT_EQ(compared, 14);
+}
+
 /// Imbert and Fick: a sphere full of liquid in a thin skin presses on what flattens it with the pressure inside,
 /// which the force of the volume on its free nodes tells.
 TEST(Forces, OfABallOfLiquidPressWithThePressureInside) {

@@ -35,10 +35,11 @@ struct Fixture {
   std::vector<std::vector<FibreSegment>> fibres;
   std::vector<BoundNode> bound;
   std::vector<RigidMotion> poses = {RigidMotion{}};
+  std::vector<EndNodes> ends = {};
 
   std::unique_ptr<Effect> make(const std::string& name, const std::map<std::string, ParameterValue>& given = {}) {
     const EffectEntry* entry = find_effect(name);
-    return entry->make({mesh, bodies, order, fibres, bound, poses}, Parameters(entry->parameters, given, "test"));
+    return entry->make({mesh, bodies, order, fibres, bound, poses, ends}, Parameters(entry->parameters, given, "test"));
   }
 
   [[nodiscard]] Nodes particles() const {

@@ -42,10 +42,15 @@ struct NeutralValue {
 };
 
 constexpr std::array neutral_at_zero{
-    NeutralValue{"damping", "rate_per_s"},      NeutralValue{"edge_length", "stiffness"},
-    NeutralValue{"activation", "level"},        NeutralValue{"activation", "shortening"},
-    NeutralValue{"volume", "projection_scale"}, NeutralValue{"local_volume", "projection_scale"},
-    NeutralValue{"bending", "stiffness"},       NeutralValue{"margin", "thickness_m"},
+    NeutralValue{"damping", "rate_per_s"},
+    NeutralValue{"edge_length", "stiffness"},
+    NeutralValue{"activation", "level"},
+    NeutralValue{"activation", "shortening"},
+    NeutralValue{"fibre_force", "peak_stress_pa"},
+    NeutralValue{"volume", "projection_scale"},
+    NeutralValue{"local_volume", "projection_scale"},
+    NeutralValue{"bending", "stiffness"},
+    NeutralValue{"margin", "thickness_m"},
     NeutralValue{"friction", "coefficient"},
 };
 
@@ -186,16 +191,34 @@ void find_bound_faces_in_contact(CheckContext& context, Findings& findings) {
 }
 
 void find_late_activation(CheckContext& context, Findings& findings) {
-  const SceneEffect* activation = find_named(context.scene, "activation");
-  if (activation == nullptr) return;
   const LoopParameters& loop = context.scene.loop;
   const double end_s = loop.time_s(loop.frames, loop.substeps);
-  const double start_s = activation->parameters.number("start_s");
-  if (start_s < end_s) return;
-  Finding& finding = findings.emplace_back(
-      cannot_act(key_of("activation", "start_s"),
-                 fmt::format("begins at {:.4g} s, and the run ends at {:.4g} s", start_s, end_s)));
-  finding.figures = {{"start_s", start_s}, {"end_s", end_s}};
+  for (const char* effect : {"activation", "fibre_force"}) {
+    const SceneEffect* activation = find_named(context.scene, effect);
+    if (activation == nullptr) continue;
+    const double start_s = activation->parameters.number("start_s");
+    if (start_s < end_s) continue;
+    Finding& finding = findings.emplace_back(cannot_act(
+        key_of(effect, "start_s"), fmt::format("begins at {:.4g} s, and the run ends at {:.4g} s", start_s, end_s)));
+    finding.figures = {{"start_s", start_s}, {"end_s", end_s}};
+  }
+}
+
+void find_fibres_without_ends(CheckContext& context, Findings& findings) {
+  const Scene& scene = context.scene;
+  if (find_named(scene, "fibre_force") == nullptr || scene.attach_at_first_contact) return;
+  for (std::size_t muscle = 0; muscle < scene.muscles.size(); ++muscle) {
+    std::set<int> bones;
+    for (const Attachment& attachment : scene.attachments) {
+      if (attachment.muscle == muscle && !attachment.nodes.empty()) bones.insert(attachment.bone);
+    }
+    if (bones.size() > 1) continue;
+    findings.push_back(cannot_act(
+        key_of("fibre_force"),
+        fmt::format("pulls on no fibres of muscle '{}', which is attached to {}: they run from the bone of its first "
+                    "[[attachment]] to its other bones",
+                    scene.muscles[muscle].body.name, bones.empty() ? "no bone" : "one bone only")));
+  }
 }
 
 void find_attachments(CheckContext& context, Findings& findings) {
@@ -225,7 +248,7 @@ void find_lacking_lengths(CheckContext& context, Findings& findings) {
 }
 
 void find_volumes_of_open_muscles(CheckContext& context, Findings& findings) {
-  for (const char* effect : {"volume", "local_volume"}) {
+  for (const char* effect : {"volume", "local_volume", "fibre_force"}) {
     if (!has_effect(context.scene, effect)) continue;
     for (std::size_t i = 0; i < context.scene.muscles.size(); ++i) {
       if (is_closed_muscle(context.scene, i)) continue;
@@ -337,7 +360,7 @@ void find_standstill(CheckContext& context, Findings& findings) {
   }
   if (std::ranges::any_of(scene.muscles, [](const Muscle& muscle) { return !muscle.velocity_m_per_s.isZero(0); }))
     return;
-  if (has_effect(scene, "gravity") || has_effect(scene, "activation")) return;
+  if (has_effect(scene, "gravity") || has_effect(scene, "activation") || has_effect(scene, "fibre_force")) return;
   for (const char* volume : {"volume", "local_volume"}) {
     const SceneEffect* inflated = find_named(scene, volume);
     if (inflated != nullptr && inflated->parameters.number("pressure") != 1) return;
@@ -379,6 +402,7 @@ const std::vector<SceneRule>& effect_rules() {
       {"no_fibres", find_effects_without_fibres},
       {"ignored_fibres", find_ignored_fibres},
       {"late_activation", find_late_activation},
+      {"no_fibre_ends", find_fibres_without_ends},
       {"late_surface_contact", find_late_surface_contact},
       {"partial_effect", find_partial_effects},
       {"bound_faces", find_bound_faces_in_contact},
