@@ -155,10 +155,9 @@ double FibreLaw::active_at(double stretch) const {
 
 double FibreLaw::active_over_speed(double speed) {
   constexpr double curvature = 0.25;
-  constexpr double most = 1.4;
-  constexpr double rise = (2 + 2 / curvature) / (most - 1);
+  constexpr double rise = (2 + 2 / curvature) / (most_over_speed - 1);
   if (speed <= -1) return 0;
-  return speed < 0 ? (1 + speed) / (1 - speed / curvature) : (1 + speed * rise * most) / (1 + speed * rise);
+  return speed < 0 ? (1 + speed) / (1 - speed / curvature) : (1 + speed * rise * most_over_speed) / (1 + speed * rise);
 }
 
 FibreConstraints::FibreConstraints(std::span<const FibreConstraint> constraints, std::span<const Body> bodies,
@@ -199,6 +198,7 @@ FibreSlots FibreConstraints::slots(NodeRow* impulses) {
 }
 
 void FibreConstraints::begin_substep(const NodeRows& rows, double activation, double time_step_s, const Team& team) {
+  if (m_order.size() == 0) return;
   if (team.is_first()) {
     m_activation = activation;
     m_begins = true;
@@ -214,44 +214,43 @@ void FibreConstraints::begin_substep(const NodeRows& rows, double activation, do
 }
 
 void FibreConstraints::find_stretches(double time_step_s) {
-  std::vector<Muscle>& muscles = m_muscles;
-  for (Muscle& muscle : muscles) muscle.rate_per_s = std::exchange(muscle.stretch, 0);  // before, until the end
+  for (Muscle& muscle : m_muscles) muscle.last_stretch = std::exchange(muscle.stretch, 0);
   for (std::size_t slot = 0; slot < m_stretch.size(); ++slot) {
-    muscles[m_muscle_of_slot[slot]].stretch += m_volume_m3[slot] * m_stretch[slot];
+    m_muscles[m_muscle_of_slot[slot]].stretch += m_volume_m3[slot] * m_stretch[slot];
   }
-  for (Muscle& muscle : muscles) {
+  for (Muscle& muscle : m_muscles) {
     muscle.stretch = muscle.volume_m3 > 0 ? muscle.stretch / muscle.volume_m3 : 1;
-    muscle.rate_per_s = m_last_time_step_s > 0 ? (muscle.stretch - muscle.rate_per_s) / m_last_time_step_s : 0;
+    muscle.rate_per_s = m_last_time_step_s > 0 ? (muscle.stretch - muscle.last_stretch) / m_last_time_step_s : 0;
+    muscle.last_pa_s = m_last_time_step_s * std::exchange(muscle.stress_pa, 0);
   }
   m_last_time_step_s = time_step_s;
 }
 
-void FibreConstraints::find_stress(Muscle& muscle, const NodeRows& rows, double time_step_s) const {
-  muscle.stress_pa = m_activation * m_law.peak_stress_pa * m_law.active_at(muscle.stretch);
-  if (!(m_law.fastest_per_s > 0) || !(muscle.volume_m3 > 0)) return;
+double FibreConstraints::stress_pa(const Muscle& muscle, const NodeRows& rows, double time_step_s) const {
+  const double at_rest_pa = m_activation * m_law.peak_stress_pa * m_law.active_at(muscle.stretch);
+  if (!(m_law.fastest_per_s > 0) || !(muscle.volume_m3 > 0)) return at_rest_pa;
   double yields = 0;  // sum of inverse masses times squared gradients, m4 / kg
   for (std::size_t row = muscle.first_row; row < muscle.last_row; ++row) {
     yields += rows[row].inverse_mass * m_gradients[row].position().squaredNorm();
   }
-  // A larger share slows the fibres down by as much: the rate has in it what the last substep's share did.
-  const double per_fastest = 1 / (m_law.optimal_stretch * m_law.fastest_per_s);
-  const double speed = muscle.rate_per_s * per_fastest;
-  const double speed_by_share = time_step_s * muscle.stress_pa * yields / muscle.volume_m3 * per_fastest;
+  // The rate has in it what the last substep's pull did; a larger one slows the fibres down by as much.
+  const double fastest_per_s = m_law.optimal_stretch * m_law.fastest_per_s * (0.25 + 0.75 * m_activation);
+  const double speed_by_pull = yields / muscle.volume_m3 / fastest_per_s;
+  const double before = muscle.rate_per_s / fastest_per_s + speed_by_pull * muscle.last_pa_s;
   double low = 0;
-  double high = 1.4;
+  double high = FibreLaw::most_over_speed;
   for (int i = 0; i < 48; ++i) {
     const double share = 0.5 * (low + high);
-    const double bears = FibreLaw::active_over_speed(speed + speed_by_share * (muscle.speed_share - share));
+    const double bears = FibreLaw::active_over_speed(before - speed_by_pull * time_step_s * at_rest_pa * share);
     (bears > share ? low : high) = share;
   }
-  muscle.speed_share = low;
-  muscle.stress_pa *= low;
+  return low * at_rest_pa;
 }
 
 void FibreConstraints::pull(NodeRows& rows, double time_step_s, const Team& team) {
   if (team.is_first()) {
     for (Muscle& muscle : m_muscles) {
-      find_stress(muscle, rows, time_step_s);
+      muscle.stress_pa = stress_pa(muscle, rows, time_step_s);
       muscle.active_n_m_s += muscle.volume_m3 * muscle.stress_pa * time_step_s;
     }
   }
@@ -262,8 +261,9 @@ void FibreConstraints::pull(NodeRows& rows, double time_step_s, const Team& team
     const Muscle& muscle = m_muscles[m_muscle_of_slot[slot]];
     m_most[slot] = squared_s2 * muscle.stress_pa * m_volume_m3[slot];
     const double slope = short_range_stiffness * m_most[slot];
+    const double mean = muscle.stretch + time_step_s * muscle.rate_per_s;  // at the end of the substep
     m_slope[slot] += slope;
-    m_pull[slot] -= slope * (muscle.stretch + time_step_s * muscle.rate_per_s);  // the mean, as it goes on
+    m_pull[slot] -= slope * mean;
   }
   const Team::Share share = team.share(rows.size());
   for (const Muscle& muscle : m_muscles) {
@@ -278,6 +278,7 @@ void FibreConstraints::pull(NodeRows& rows, double time_step_s, const Team& team
 }
 
 void FibreConstraints::project(NodeRows& rows, double time_step_s, const Team& team) {
+  if (m_order.size() == 0) return;
   if (m_begins && m_activation > 0) pull(rows, time_step_s, team);
   m_order.for_each(team, [&](std::size_t first, std::size_t last) {
     HWY_DYNAMIC_DISPATCH(project_fibres)(slots(rows.impulses()), first, last, 1 / time_step_s, rows.data());

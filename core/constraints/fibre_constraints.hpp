@@ -1,7 +1,7 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -19,37 +19,42 @@ struct FibreConstraint {
 };
 
 /// How a muscle's fibres pull (Hill 1938). The curves and their constants are those of Thelen 2003, "Adjustment of
-/// muscle mechanics model parameters to simulate dynamic contractions in older adults", for young adults: active force
-/// over length a Gaussian of width 0.45; passive force over length e^(5 strain / `passive_strain`), less 1, of which
-/// beyond that strain the tangent; active force over speed Hill's hyperbola with 0.25, up to 1.4 where fibres are
-/// stretched.
+/// muscle mechanics model parameters to simulate dynamic contractions in older adults", for young adults:
+/// - active force over length is a Gaussian of width 0.45;
+/// - passive force over length is (e^(5 strain / `passive_strain`) - 1) / (e^5 - 1), and its tangent beyond that
+/// strain;
+/// - active force over speed is Hill's hyperbola with 0.25, and at most 1.4 where fibres are stretched. At activation a
+///   the fastest speed is 0.25 + 0.75 a of that of fully active fibres.
 struct FibreLaw {
-  double peak_stress_pa = 3e5;  ///< of fully active fibres at their optimal length
+  double peak_stress_pa = 3e5;  ///< of fully active fibres at their optimal length; of the section at rest
   double optimal_stretch = 1;   ///< of fibres at their optimal length
   double passive_strain = 0.6;  ///< beyond the optimal length, at which passive fibres bear `peak_stress_pa`
-  double fastest_per_s = 10;    ///< optimal lengths a second at which active fibres bear nothing; 0: at any speed all
+  double fastest_per_s =
+      10;  ///< optimal lengths a second at which active fibres bear nothing; 0: speed changes nothing
 
   // Parts of the peak stress, of fully active fibres.
   [[nodiscard]] double active_at(double stretch) const;
-  /// `speed`: over the fastest, above 0 where fibres are stretched.
+  /// `speed`: over the fastest, above 0 where fibres are stretched. At most `most_over_speed`.
   [[nodiscard]] static double active_over_speed(double speed);
+  static constexpr double most_over_speed = 1.4;
 };
 
 struct FibreSlots;
 
 /// Fibres of muscles' surfaces that pull, and never push.
 ///
-/// The active fibres of a muscle bear one stress, by the mean of their stretch, weighted by volume, and its rate: in
-/// the first projection of a substep it moves each node by the gradient, at the start of the substep, of volume times
-/// stretch. So pulls are balanced along the surface. How much the stress changes the speed that it depends on is
-/// accounted for. Where a triangle's fibres are longer than the mean they bear more, and less where they are shorter,
-/// in proportion, as active fibres do against quick changes (their short-range stiffness: Cui and others 2008); else
-/// parts of one fibre would run together and others apart, since nothing decides between them.
+/// The active fibres of a muscle bear one stress, by their mean stretch, weighted by volume, and its rate. In the first
+/// projection of a substep each node moves along the gradient, at the start of the substep, of volume times stretch. So
+/// pulls are balanced along the surface. The stress is solved together with the change of speed that it makes.
 ///
-/// Passive fibres bear what their own triangle's stretch asks: it stores energy, its volume times the integral of the
-/// nominal stress over the stretch. In a substep that stress is linear in the stretch at its end, with value and slope
-/// as at its start. Both are projected in SIMD lanes, as XPBD (Macklin et al. 2016) for a stiffness in place of a
-/// compliance, which may be 0.
+/// What a triangle's fibres bear by their own stretch is projected in SIMD lanes, as XPBD (Macklin et al. 2016) for a
+/// stiffness in place of a compliance, which may be 0:
+/// - Passive fibres store energy, the volume times the integral of the nominal stress over the stretch. In a substep
+///   that stress is linear in the stretch at its end, with value and slope as at its start.
+/// - Active fibres longer than the mean bear more than it, and shorter ones less, in proportion: they resist quick
+/// changes
+///   (their short-range stiffness: Cui and others 2008). Else some parts of a fibre would run together and others
+///   apart, since nothing decides between them.
 class FibreConstraints {
  public:
   /// Nodes of a constraint are all of one of `bodies`.
@@ -75,9 +80,10 @@ class FibreConstraints {
     std::size_t first_row, last_row;
     double volume_m3 = 0;
     double stretch = 1;       ///< mean at the start of the substep
+    double last_stretch = 1;  ///< of the substep before
     double rate_per_s = 0;    ///< of the mean stretch, in the last substep
-    double speed_share = 1;   ///< of what they would bear at rest, by their speed
     double stress_pa = 0;     ///< active, of the substep
+    double last_pa_s = 0;     ///< active stress of the last substep times its time step
     double active_n_m_s = 0;  ///< since `forget_pulls`
   };
 
@@ -86,7 +92,7 @@ class FibreConstraints {
 
   [[nodiscard]] FibreSlots slots(NodeRow* impulses);
   void find_stretches(double time_step_s);
-  void find_stress(Muscle& muscle, const NodeRows& rows, double time_step_s) const;
+  [[nodiscard]] double stress_pa(const Muscle& muscle, const NodeRows& rows, double time_step_s) const;
   void pull(NodeRows& rows, double time_step_s, const Team& team);
 
   ConstraintOrder<3> m_order;
@@ -96,11 +102,11 @@ class FibreConstraints {
   std::vector<double> m_volume_m3;
   std::vector<std::size_t> m_muscle_of_slot;
   std::vector<double> m_stretch;  ///< at the start of the substep
-  // Of the substep, over its squared time step.
+  // Of the substep, times its squared time step.
   std::vector<double> m_pull, m_slope;  ///< at stretch 0, and by stretch
   std::vector<double> m_multipliers;
   std::vector<double> m_most;        ///< of a multiplier: it takes away what all active fibres pull, and no more
-  std::vector<double> m_sum;         ///< of the multipliers over their time steps
+  std::vector<double> m_sum;         ///< of the multipliers over their time steps, with the sign of a pull
   std::vector<Muscle> m_muscles;     ///< by body
   std::vector<NodeRow> m_gradients;  ///< by row, of the sum of volume times stretch, m2
   double m_last_time_step_s = 0;     ///< 0: no substep yet

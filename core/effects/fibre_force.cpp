@@ -9,6 +9,7 @@
 #include "core/constraints/graph_colours.hpp"
 #include "core/effects/activation_course.hpp"
 #include "core/effects/fixed_nodes.hpp"
+#include "core/effects/surface_edges.hpp"
 #include "core/fibres/surface_flow.hpp"
 #include "core/mesh/surface_volume.hpp"
 
@@ -19,7 +20,8 @@ namespace {
 /// The fibres of all muscles.
 struct Fibres {
   std::vector<FibreConstraint> constraints;
-  std::vector<double> lengths_m;  ///< by body, the mean at rest; 0: it has no fibres
+  /// By body, the mean at rest without what bones carry; 0: it has no fibres.
+  std::vector<double> free_lengths_m;
 };
 
 TriangleMesh mesh_of(const TriangleMesh& all, const Body& body) {
@@ -37,22 +39,27 @@ void add_fibres(const EffectInput& input, std::size_t index, const FixedNodes& f
   const Body& body = input.bodies[index];
   const TriangleMesh mesh = mesh_of(input.mesh, body);
   const double volume_m3 = surface_volume_m3(mesh.vertices, mesh.triangles);
+  const auto is_inner = [](const SurfaceEdge& edge) { return edge.left >= 0 && edge.right >= 0; };
+  if (!(volume_m3 > 0) || !std::ranges::all_of(surface_edges(mesh), is_inner)) return;
   const std::vector<Vec3> flow = surface_flow(mesh, input.ends[index]);
-  if (flow.empty() || !(volume_m3 > 0)) return;
+  if (flow.empty()) return;
   const std::size_t first = fibres.constraints.size();
-  double& length_m = fibres.lengths_m[index];
+  double& free_m = fibres.free_lengths_m[index];
+  double length_m = 0;
   for (std::size_t t = 0; t < flow.size(); ++t) {
     const double flow_per_m = flow[t].norm();
     const Triangle& of_all = input.mesh.triangles[body.first_triangle + t];
-    if (!(flow_per_m > 0) || fixed.are_all(of_all)) continue;
+    if (!(flow_per_m > 0)) continue;
     const std::array<Vec3, 3> gradients = barycentric_gradients(mesh, mesh.triangles[t]);
     const Vec3& a = mesh.vertices[mesh.triangles[t][0]];
     const double area_m2 =
         0.5 * (mesh.vertices[mesh.triangles[t][1]] - a).cross(mesh.vertices[mesh.triangles[t][2]] - a).norm();
+    length_m += area_m2 * flow_per_m;
+    if (fixed.are_all(of_all)) continue;
     const Vec3 along = flow[t] / flow_per_m;
     FibreConstraint constraint{of_all, {}, area_m2 * flow_per_m};
     for (std::size_t k = 0; k < 3; ++k) constraint.per_m[k] = along.dot(gradients[k]);
-    length_m += constraint.volume_m3;
+    free_m += constraint.volume_m3;
     fibres.constraints.push_back(constraint);
   }
   for (std::size_t i = first; i < fibres.constraints.size(); ++i)
@@ -61,12 +68,12 @@ void add_fibres(const EffectInput& input, std::size_t index, const FixedNodes& f
 
 Fibres fibres_of(const EffectInput& input) {
   Fibres fibres;
-  fibres.lengths_m.assign(input.bodies.size(), 0.0);
+  fibres.free_lengths_m.assign(input.bodies.size(), 0.0);
   const FixedNodes fixed(input);
   for (std::size_t body = 0; body < input.ends.size(); ++body) add_fibres(input, body, fixed, fibres);
   std::vector<std::array<int, 3>> nodes;
   for (const FibreConstraint& constraint : fibres.constraints) nodes.push_back(constraint.nodes);
-  Fibres ordered{{}, fibres.lengths_m};
+  Fibres ordered{{}, fibres.free_lengths_m};
   for (const int i : order_by_colour<3>(nodes, input.mesh.vertices.size())) {
     ordered.constraints.push_back(fibres.constraints[static_cast<std::size_t>(i)]);
   }
@@ -78,7 +85,7 @@ class FibreForce final : public Effect {
   FibreForce(const ActivationCourse& course, Fibres fibres, const EffectInput& input, const FibreLaw& law)
       : m_course(course),
         m_constraints(fibres.constraints, input.bodies, input.order, law),
-        m_lengths_m(std::move(fibres.lengths_m)) {}
+        m_free_lengths_m(std::move(fibres.free_lengths_m)) {}
 
   [[nodiscard]] std::string_view name() const override { return "fibre_force"; }
 
@@ -96,7 +103,7 @@ class FibreForce final : public Effect {
   [[nodiscard]] std::vector<double> fibre_impulses_n_s() const override {
     std::vector<double> impulses = m_constraints.pulls_n_m_s();
     for (std::size_t body = 0; body < impulses.size(); ++body) {
-      impulses[body] = m_lengths_m[body] > 0 ? impulses[body] / m_lengths_m[body] : 0;
+      impulses[body] = m_free_lengths_m[body] > 0 ? impulses[body] / m_free_lengths_m[body] : 0;
     }
     return impulses;
   }
@@ -104,14 +111,16 @@ class FibreForce final : public Effect {
  private:
   ActivationCourse m_course;
   FibreConstraints m_constraints;
-  std::vector<double> m_lengths_m;  ///< by body
+  std::vector<double> m_free_lengths_m;  ///< by body
 };
 
 }  // namespace
 
 std::unique_ptr<Effect> make_fibre_force(const EffectInput& input, const Parameters& parameters) {
-  const FibreLaw law{.peak_stress_pa = parameters.number("peak_stress_pa"),
-                     .optimal_stretch = parameters.number("optimal_stretch"),
+  const double optimal_stretch = parameters.number("optimal_stretch");
+  // Muscle keeps its volume: where fibres are longer than at rest its section is as much smaller.
+  const FibreLaw law{.peak_stress_pa = parameters.number("peak_stress_pa") / optimal_stretch,
+                     .optimal_stretch = optimal_stretch,
                      .passive_strain = parameters.number("passive_strain"),
                      .fastest_per_s = parameters.number("fastest_per_s")};
   return std::make_unique<FibreForce>(ActivationCourse(parameters), fibres_of(input), input, law);

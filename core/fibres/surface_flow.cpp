@@ -1,5 +1,6 @@
 #include "core/fibres/surface_flow.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -13,6 +14,20 @@
 namespace musclebench {
 
 namespace {
+
+/// Of a triangle that something flows through, over its longest side.
+constexpr double least_height = 1e-5;
+
+bool is_thin(const TriangleMesh& mesh, const Triangle& triangle) {
+  double longest2_m2 = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 side = mesh.vertices[triangle[(k + 1) % 3]] - mesh.vertices[triangle[k]];
+    longest2_m2 = std::max(longest2_m2, side.squaredNorm());
+  }
+  const Vec3& a = mesh.vertices[triangle[0]];
+  const double twice_area_m2 = (mesh.vertices[triangle[1]] - a).cross(mesh.vertices[triangle[2]] - a).norm();
+  return !(twice_area_m2 > least_height * longest2_m2);
+}
 
 /// A third of the triangles about each vertex, m2.
 std::vector<double> areas_of_vertices(const TriangleMesh& mesh) {
@@ -54,14 +69,17 @@ std::array<Vec3, 3> barycentric_gradients(const TriangleMesh& mesh, const Triang
   const auto at = [&](int corner) -> const Vec3& { return mesh.vertices[triangle[corner % 3]]; };
   const Vec3 normal = (at(1) - at(0)).cross(at(2) - at(0));
   const double squared = normal.squaredNorm();
-  std::array<Vec3, 3> gradients{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-  for (int k = 0; squared > 0 && k < 3; ++k) gradients[k] = normal.cross(at(k + 2) - at(k + 1)) / squared;
+  if (!(squared > 0)) return {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  std::array<Vec3, 3> gradients;
+  for (int k = 0; k < 3; ++k) gradients[k] = normal.cross(at(k + 2) - at(k + 1)) / squared;
   return gradients;
 }
 
 std::vector<Vec3> surface_flow(const TriangleMesh& muscle, const EndNodes& ends) {
-  const std::vector<int> component = first_of_component(muscle);
-  std::vector<double> in = inflows(muscle, ends, component);
+  TriangleMesh surface = muscle;  // that something can flow through
+  std::erase_if(surface.triangles, [&](const Triangle& triangle) { return is_thin(muscle, triangle); });
+  const std::vector<int> component = first_of_component(surface);
+  std::vector<double> in = inflows(surface, ends, component);
   if (in.empty()) return {};
   // The potential is known but for a constant: it is 0 at one node of each component, and in those that join nothing.
   std::vector<double> potential(muscle.vertices.size(), 0.0);
@@ -74,12 +92,15 @@ std::vector<Vec3> surface_flow(const TriangleMesh& muscle, const EndNodes& ends)
     if (has_flow[first] != 0 && first != i) potential[i] = std::numeric_limits<double>::quiet_NaN();
   }
   for (double& flow : in) flow *= 2;  // see solve_on_surface
-  constexpr double steepest = 1e6;
-  potential = solve_on_surface(muscle, std::move(potential), in, {-steepest, steepest});
+  potential = solve_on_surface(surface, std::move(potential), in, {-2 / least_height, 2 / least_height});
   if (potential.empty()) return {};
   std::vector<Vec3> flow;
   flow.reserve(muscle.triangles.size());
   for (const Triangle& triangle : muscle.triangles) {
+    if (is_thin(muscle, triangle)) {
+      flow.push_back(Vec3::Zero());
+      continue;
+    }
     const std::array<Vec3, 3> gradients = barycentric_gradients(muscle, triangle);
     Vec3 down = Vec3::Zero();
     for (int k = 0; k < 3; ++k) down -= potential[triangle[k]] * gradients[k];

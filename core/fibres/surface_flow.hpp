@@ -14,7 +14,8 @@ namespace musclebench {
 /// them is crossed by all fibres, once. Empty where an end has no nodes, or no part of the surface joins both.
 ///
 /// Solved with linear finite elements, that is, with cotangent weights: where all fibres pull alike, their pulls on a
-/// node between the ends are balanced along a flat surface, to rounding. A triangle without area has no flow.
+/// node between the ends are balanced along a flat surface, to rounding. A triangle whose height is less than 1e-5 of
+/// its longest side has no flow, as if it were a hole.
 std::vector<Vec3> surface_flow(const TriangleMesh& muscle, const EndNodes& ends);
 
 /// The gradients of the three barycentric coordinates of a triangle, 1/m; all 0 where it has no area.

@@ -18,7 +18,8 @@ struct CotangentLimits {
 /// empty: nothing. What flows between two vertices is the sum of their two opposite cotangents times the difference,
 /// twice that of linear finite elements.
 ///
-/// Vertices without triangles stay as they are. The result is empty where there is no unique solution.
+/// Vertices without triangles stay as they are. Each component needs a known value; the result is empty where the
+/// solver finds that it has none.
 std::vector<double> solve_on_surface(const TriangleMesh& mesh, std::vector<double> values,
                                      std::span<const double> sources, const CotangentLimits& limits);
 

@@ -43,7 +43,7 @@ constexpr std::array<Column<ForceRow>, 21> force_table{{
      [](const ForceRow& r) { return number_cell(r.peak_pressure_pa); }},
     {{"fibres_n", "N", "of an attachment: mean force along all fibres of its muscle (`fibre_force`)"},
      [](const ForceRow& r) { return number_cell(r.fibres_n); }},
-    {{"active_n", "N", "of an attachment: size of the part of `activation` or `fibre_force`"},
+    {{"active_n", "N", "of an attachment: size of what fibres pull there, active (`activation`) or by `fibre_force`"},
      [](const ForceRow& r) { return number_cell(r.active_n); }},
     {{"passive_n", "N",
       "of an attachment: the part of all other effects along the active part, < 0: against it; its size where nothing "

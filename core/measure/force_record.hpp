@@ -38,7 +38,7 @@ struct ForceRow {
   std::optional<double> peak_pressure_pa = {};  ///< largest push of a node over its area
   // Of an attachment.
   std::optional<double> fibres_n = {};  ///< of its muscle: the mean force along all fibres; nothing: no fibres pull
-  std::optional<double> active_n = {};  ///< size of the part of the effects that pull along fibres
+  std::optional<double> active_n = {};  ///< size of what `activation` or `fibre_force` pulls there
   /// The part of all other effects along the active part; < 0: against it. Its size where there is no active part.
   std::optional<double> passive_n = {};
   /// What the force does to the bone, about the axis of its first rotation that turns; nothing: the bone stands still.

@@ -1,9 +1,11 @@
 #include "core/scene/read_motion.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "core/base/input_error.hpp"
 
@@ -28,6 +30,8 @@ Vec3 read_axis(const TomlTable& table) {
   return axis.normalized();
 }
 
+std::vector<std::string> course_words() { return {"there_and_back", "there", "rest_first"}; }
+
 BoneRotation read_rotation(const SceneRequest& request, const TomlTable& table) {
   table.allow_only({"axis", "centre_m", "from_deg", "to_deg", "course", "table", "column", "relative_to_first_row"});
   BoneRotation motion;
@@ -40,8 +44,9 @@ BoneRotation read_rotation(const SceneRequest& request, const TomlTable& table) 
   const Parameters changed(motion_parameters(), request.motion_overrides, "--motion");
   const std::string course =
       changed.given("course") ? changed.word("course") : table.word_or("course", "there_and_back");
-  if (course != "there" && course != "there_and_back") {
-    throw InputError(table.location("course"), fmt::format("'{}' is not one of there, there_and_back", course));
+  const std::vector<std::string> courses = course_words();
+  if (std::ranges::find(courses, course) == courses.end()) {
+    throw InputError(table.location("course"), fmt::format("'{}' is not one of {}", course, fmt::join(courses, ", ")));
   }
   motion.there_and_back = course == "there_and_back";
   if (table.has("table")) {
@@ -49,6 +54,12 @@ BoneRotation read_rotation(const SceneRequest& request, const TomlTable& table) 
       throw InputError("--motion",
                        fmt::format("{} has a table of angles, which from_deg and to_deg cannot change; leave "
                                    "them out",
+                                   table.location()));
+    }
+    if (course == "rest_first") {
+      throw InputError(changed.given("course") ? "--motion" : table.location("course"),
+                       fmt::format("rest_first goes to from_deg first, and {} has a table of angles; put rest into the "
+                                   "table",
                                    table.location()));
     }
     if (table.has("from_deg") || table.has("to_deg")) {
@@ -69,6 +80,16 @@ BoneRotation read_rotation(const SceneRequest& request, const TomlTable& table) 
     };
     motion.times = {0, 1};
     motion.angles_rad = {angle_rad("from_deg"), angle_rad("to_deg")};
+    if (course == "rest_first" && motion.angles_rad[0] != 0) {
+      const double first_rad = std::abs(motion.angles_rad[0]);
+      const double second_rad = std::abs(motion.angles_rad[1] - motion.angles_rad[0]);
+      motion.times = {0, first_rad, first_rad + second_rad};
+      motion.angles_rad.insert(motion.angles_rad.begin(), 0.0);
+      if (second_rad == 0) {  // there is no time in which to stand still
+        motion.times.pop_back();
+        motion.angles_rad.pop_back();
+      }
+    }
   }
   return motion;
 }
@@ -86,7 +107,10 @@ std::vector<ParameterSpec> motion_parameters() {
   };
   return {angle("from_deg", "where the bones begin to turn"), angle("to_deg", "where they turn to"),
           parameter::choice(
-              {.name = "course", .choices = {"there_and_back", "there"}, .help = "whether the motion returns"})};
+              {.name = "course",
+               .choices = course_words(),
+               .help = "there: ends at to_deg; there_and_back: returns; rest_first: from rest to from_deg, then to "
+                       "to_deg, at one speed"})};
 }
 
 BoneMotion read_motion(const SceneRequest& request, const TomlTable& bone) {

@@ -26,6 +26,7 @@ class Result:
     frames: pd.DataFrame
     shapes: dict[int, PlyMesh]  # by frame
     poses: dict[int, list]  # by frame: (rotation, translation) a bone
+    forces: pd.DataFrame | None  # where they were told
 
     @property
     def rest_m(self) -> np.ndarray:
@@ -57,7 +58,8 @@ def run(tmp_path):
         poses = {frame: [(np.reshape(pose["rotation"], (3, 3)), np.array(pose["translation_m"]))
                          for pose in shot["bone_poses"]] for frame, shot in stored.items()}
         return Result(record, pd.read_csv(out / "frames.csv"),
-                      {frame: read_ply(out / shot["file"]) for frame, shot in stored.items()}, poses)
+                      {frame: read_ply(out / shot["file"]) for frame, shot in stored.items()}, poses,
+                      pd.read_csv(out / "forces.csv") if (out / "forces.csv").is_file() else None)
 
     return of
 
@@ -281,6 +283,30 @@ def test_fibres_that_shorten_make_the_muscle_bulge(run):
     found = run("activation", frames=(60,))
     assert found.outcome["max_volume_error"] < 0.01
     assert width_of_belly(found) == pytest.approx(1 / np.sqrt(0.8), rel=0.03)
+
+
+def test_fibres_that_pull_keep_a_muscle_straight_while_its_ends_come_closer(run):
+    """Brought nearer by a fifth of its length: without them its axis folds up by half of its length a fifth shorter."""
+    taut = run("fibre_force", "--forces", frames=(60,))
+    slack = run("fibre_force", "--no-effect", "fibre_force", frames=(60,))
+    assert taut.record["status"] == "ok" and taut.outcome["max_volume_error"] < 0.05
+    assert farthest_off_axis_m(taut) < 5e-4 and farthest_off_axis_m(slack) > 0.01
+    # Hill's curves: at rest in the last frames, and half as active with half the level.
+    half = run("fibre_force", "--forces", "--effect", "fibre_force:level=0.1", frames=(60,))
+    forces_n = [last_fibre_force_n(result) for result in (half, taut)]
+    assert forces_n[1] == pytest.approx(2 * forces_n[0], rel=0.02)
+
+
+def farthest_off_axis_m(found: Result) -> float:
+    """Of the middles of slices of the tube."""
+    slices = np.round(found.rest_m[:, 0] / 0.005)
+    middles = np.array([found.shapes[60].vertices_m[slices == each].mean(axis=0) for each in np.unique(slices)])
+    return np.linalg.norm(middles[:, 1:] - [0, 0.01], axis=1).max()
+
+
+def last_fibre_force_n(found: Result) -> float:
+    attached = found.forces[found.forces.source == "attachment"]
+    return attached.fibres_n.iloc[-1]
 
 
 def width_of_belly(found: Result) -> float:

@@ -1,6 +1,7 @@
 """Moment arms beside published ones: reading them, comparing, the command."""
 
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -84,6 +85,47 @@ def test_a_course_joins_both_ways_from_rest():
     assert course["p10_mm"].iloc[1] == pytest.approx(-7)
 
 
+def forces(angles, torques, fibre_force, muscle="iliacus", untold=()):
+    """forces.csv: in each frame an attachment and contact with the bone that turns, and a joint where contact is told."""
+    rows = []
+    for frame, (angle, torque) in enumerate(zip(angles, torques), start=1):
+        common = {"frame": frame, "angle_deg": angle, "muscle": muscle}
+        rows.append(common | {"source": "attachment", "torque_n_m": torque - 0.1, "fibres_n": fibre_force, "active_n": 10,
+                              "passive_n": -0.5})
+        rows.append(common | {"source": "attachment", "fibres_n": fibre_force, "active_n": 10, "passive_n": -0.4})  # stands
+        rows.append(common | {"source": "bone", "torque_n_m": 0.1})
+        if frame not in untold:
+            rows.append(common | {"muscle": None, "source": "joint", "torque_n_m": torque})
+    return pd.DataFrame(rows)
+
+
+def test_torque_over_force_stands_beside_the_slope_of_the_length():
+    run = replace(run_with(band([0, 2, 4, 6], [-20, -20, -20, -20])), forces=forces([2, 4, 6], [0.2, 0.21, 0.4], 10, untold=(2,)))
+    course = course_of([run]).set_index("angle_deg")
+    assert course.loc[2, "torque_mm"] == pytest.approx(-20) and course.loc[2, "others_percent"] == pytest.approx(5)
+    assert course.loc[[0, 4], "torque_mm"].isna().all() and course.loc[6, "torque_mm"] == pytest.approx(-40)
+    assert "torque_mm" not in course_of([run_with(band([0, 2, 4], [1, 2, 3]))])
+
+
+def test_of_an_angle_that_is_passed_twice_the_later_counts():
+    run = run_with(band([0, -2, -4, -2.0000000001, 0, 2], [9, 9, 9, -1, -2, -3]))
+    run = replace(run, forces=forces([-2, -4, -2.0000000001, 0, 2], [0.9, 0.9, 0.01, 0.02, 0.03], 10))
+    course = course_of([run])
+    assert list(course["angle_deg"]) == [-4, -2, 0, 2] and list(course["mean_mm"])[1:] == pytest.approx([-1, -2, -3])
+    assert list(course["torque_mm"])[1:] == pytest.approx([-1, -2, -3])
+
+
+def test_arms_that_part_are_not_compared(data):
+    angles = [0, 10, 20]
+    passive = {"iliacus": course_of([run_with(band(angles, [-30, -32, -34]))])}
+    active = run_with(band(angles, [-30, -32, -34]))
+    for torque, word in ((0.3, "yes"), (0.2, "dL/dθ and torque part by 12.0 mm")):
+        course = course_of([replace(active, forces=forces([10, 20], [torque, torque], 10))])
+        row = arm_table(passive, {"iliacus": course}, read_published(data)).rows.set_index("angle_deg").loc[10]
+        assert row["active_holds"] == word and np.isnan(row["active_difference_mm"]) == (word != "yes")
+        assert row["torque_mm"] == pytest.approx(-100 * torque) and row["active_mm"] == pytest.approx(-32)
+
+
 def test_a_scene_of_several_gives_the_muscles_that_have_none_of_their_own():
     alone = run_with(band([0, 2, 4], [1, 2, 3]).assign(muscle="iliacus"))
     both = Run(Path("nowhere"), {"status": "ok", "case": {"scene": "lhdl/flexors"}}, pd.DataFrame(), fibres=pd.concat(
@@ -124,22 +166,22 @@ def test_the_table_says_that_the_motion_was_squeezed(tmp_path):
 
 def test_cases_go_from_rest_to_both_ends(tmp_path):
     groups = {group.name: group for group in of_project("moment_arms").groups}
-    assert list(groups) == ["active_flexion", "active_extension", "passive_flexion", "passive_extension"]
-    assert [group.frames for group in groups.values()] == [(45,), (5,)] * 2
+    assert list(groups) == ["active_course", "passive_flexion", "passive_extension"]
+    assert [group.frames for group in groups.values()] == [(61,), (45,), (5,)]
 
     def arguments(name):
         scene = fake_registry.scene("synthetic/iliacus", groups[name].frames[0])
         return SweptCase(scene, groups[name], Configuration("bvh")).arguments(Folders(tmp_path))
 
-    active, passive = arguments("active_flexion"), arguments("passive_extension")
-    assert "activation:level=1.0,shortening=0.5,rise_s=0.0" in active and "settle_substeps=2000" in active
-    assert "to_deg=90" in active and active[active.index("--snapshots") + 1] == "0,22,45"
+    active, passive = arguments("active_course"), arguments("passive_extension")
+    assert "fibre_force:level=0.05,rise_s=0.0" in active and "settle_substeps=2000" in active and "--forces" in active
+    assert "course=rest_first" in active and "to_deg=90" in active and active[active.index("--snapshots") + 1] == "0,30,61"
     assert "to_deg=-10" in passive and "settle_substeps=100" in passive and "--effect" not in passive
     assert passive[passive.index("--fibres") + 1] == "100" and passive[passive.index("--snapshots") + 1] == "0"
 
 
 @pytest.mark.parametrize("old, new, words", [
-    ('name = "active_flexion"', 'name = "tense"', "'tense'.*begin with passive_ or active_"),
+    ('name = "active_course"', 'name = "tense"', "'tense'.*begin with passive_ or active_"),
     ('name = "passive', 'name = "active_passive', "none of its .* begins with passive_"),
     ('[[cases]]', '[[cases]]\nmode = "replay"', "mode run"),
 ])

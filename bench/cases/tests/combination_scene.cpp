@@ -1,5 +1,7 @@
 #include "bench/cases/tests/combination_scene.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "bench/cases/tests/pressed_ball.hpp"
@@ -15,12 +17,24 @@ frames = 3
 substeps = 4
 )";
 
+/// The ball's second end, between which and its foot fibres pull.
+constexpr const char* head_of_ball = R"(
+[[attachment]]
+name = "head"
+bone = "rod"
+muscle = "ball"
+near = "outline"
+outline_m = [[-0.006, -0.006, 0.0405], [0.006, -0.006, 0.0405], [0.006, 0.006, 0.0405], [-0.006, 0.006, 0.0405]]
+distance_m = 0.002
+)";
+
 }  // namespace
 
 Scene combination_scene(const std::vector<std::string>& effects, int subdivisions) {
   SceneRequest request;
   request.name = request.file = "combination.toml";
   request.text = short_loop + plate_and_rod(-15) + two_balls + foot_of_ball;
+  if (std::ranges::find(effects, "fibre_force") != effects.end()) request.text += head_of_ball;
   for (const std::string& effect : effects) request.text += fmt::format("[effects.{}]\n", effect);
   request.synthetic_mesh = [subdivisions](const std::string& name) { return pressed_ball_mesh(name, subdivisions); };
   Scene scene = read_scene(request);

@@ -9,7 +9,8 @@
 namespace musclebench {
 
 /// A small scene for any combination of effects: a ball that is bound to a plate, touches a second ball and is pressed
-/// by a rod. `effects` have their default parameters. `subdivisions`: of the balls.
+/// by a rod, which it is bound to, too, where fibres pull. `effects` have their default parameters. `subdivisions`: of
+/// the balls.
 Scene combination_scene(const std::vector<std::string>& effects, int subdivisions = 2);
 
 /// Its run, not judged.

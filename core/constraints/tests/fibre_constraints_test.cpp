@@ -1,5 +1,6 @@
 #include "core/constraints/fibre_constraints.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -115,6 +116,63 @@ TEST(FibreConstraints, NeverPush) {
   // Flung together within a substep: the tangent would push.
   EXPECT_EQ(sheet.stress_pa(1.3, 0.2, 0), 0);
   EXPECT_EQ(sheet.stress_pa(0, 0, 0), 0);
+}
+
+/// One of the two triangles is longer than their mean, and the other as much shorter.
+TEST(FibreConstraints, BearMoreWhereTheyAreLongerThanTheMean) {
+  FibreLaw law;
+  const std::vector<Body> bodies = {{"two", 0, 6, 0, 2}};
+  const std::vector<Vec3> rest = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}};
+  const NodeOrder order(rest, bodies);
+  const std::vector<FibreConstraint> pair = {{{0, 1, 2}, {-1, 1, 0}, 1}, {{3, 4, 5}, {-1, 1, 0}, 1}};
+  for (const double off : {0.02, 0.2}) {
+    FibreConstraints constraints(pair, bodies, order, law);
+    std::vector<Vec3> at = rest;
+    at[1].x() += off;
+    at[4].x() -= off;
+    NodeRows rows(order, at, std::vector<double>(6, 0.0));
+    std::vector<NodeRow> impulses(7);
+    rows.set_impulses(impulses.data());
+    constraints.begin_substep(rows, 1, 1, Team());
+    constraints.project(rows, 1, Team());
+    const auto pulled = [&](int node) { return -impulses[static_cast<std::size_t>(order.row_of(node))].x; };
+    const double passive = law.peak_stress_pa * published_passive(1 + off);
+    EXPECT_NEAR(pulled(1), law.peak_stress_pa * (1 + 10 * off) + passive, 1e-6 * law.peak_stress_pa);
+    // It takes away no more than there is.
+    EXPECT_NEAR(pulled(4), law.peak_stress_pa * std::max(0.0, 1 - 10 * off), 1e-6 * law.peak_stress_pa);
+  }
+}
+
+/// One end is free and weighs so little that the pull decides its speed within a substep: large steps follow small
+/// ones, and neither overshoots the fastest speed.
+TEST(FibreConstraints, OfLightNodesShortenAtTheSpeedThatTheyCan) {
+  const FibreLaw law;
+  const std::vector<Body> bodies = {{"one", 0, 3, 0, 1}};
+  const std::vector<Vec3> rest = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const NodeOrder order(rest, bodies);
+  const std::vector<FibreConstraint> fibre = {{{0, 1, 2}, {-1, 1, 0}, 1e-3}};
+  const auto end_after = [&](double step_s, double mass_kg) {
+    FibreConstraints constraints(fibre, bodies, order, law);
+    NodeRows rows(order, rest, std::vector<double>{0, 1 / mass_kg, 0});
+    const auto row = static_cast<std::size_t>(order.row_of(1));
+    double speed = 0;
+    double fastest = 0;
+    for (double time_s = 0; time_s < 0.04 - 0.5 * step_s; time_s += step_s) {
+      const double before = rows[row].x;
+      constraints.begin_substep(rows, 1, step_s, Team());
+      rows[row].x += step_s * speed;
+      constraints.project(rows, step_s, Team());
+      speed = (rows[row].x - before) / step_s;
+      fastest = std::min(fastest, speed);
+    }
+    EXPECT_GT(fastest, -1.05 * law.fastest_per_s);
+    return rows[row].x;
+  };
+  for (const double mass_kg : {1.0, 0.1}) {
+    const double fine = end_after(2e-6, mass_kg);
+    EXPECT_LT(fine, 0.95) << mass_kg;
+    EXPECT_NEAR(end_after(1e-3, mass_kg), fine, 0.1 * (1 - fine)) << mass_kg;
+  }
 }
 
 TEST(FibreConstraints, MoveFreeNodesTogetherByWhatTheyPull) {

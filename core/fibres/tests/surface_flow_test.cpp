@@ -89,6 +89,24 @@ TEST(SurfaceFlow, IsNoneWhereNoPartOfTheSurfaceJoinsBothEnds) {
   EXPECT_TRUE(surface_flow(tube.mesh, tube.ends).empty());
 }
 
+/// A triangle without height, and one nearly without, are as if they were cut out: the rest flows as before.
+TEST(SurfaceFlow, PassesByTrianglesWithoutHeight) {
+  for (const double height : {0.0, 1e-13, 1e-9}) {
+    Tube tube;
+    const std::size_t triangles = tube.mesh.triangles.size();
+    const std::vector<Vec3> before = surface_flow(tube.mesh, tube.ends);
+    const auto middle = static_cast<int>(tube.mesh.vertices.size());
+    const int a = 4 * Tube::around;
+    const Vec3 along = tube.mesh.vertices[a + 1] - tube.mesh.vertices[a];
+    tube.mesh.vertices.emplace_back(tube.mesh.vertices[a] + 0.5 * along + Vec3(0, 0, height));
+    tube.mesh.triangles.push_back({a, a + 1, middle});
+    const std::vector<Vec3> flow = surface_flow(tube.mesh, tube.ends);
+    ASSERT_EQ(flow.size(), triangles + 1);
+    EXPECT_EQ(flow.back(), Vec3::Zero());
+    for (std::size_t t = 0; t < triangles; ++t) EXPECT_LT((flow[t] - before[t]).norm(), 1e-9);
+  }
+}
+
 /// A stray part, and one that only one end reaches, have none.
 TEST(SurfaceFlow, LeavesOutOtherParts) {
   Tube tube;

@@ -94,7 +94,8 @@ void find_effects_without_fibres(CheckContext& context, Findings& findings) {
 void find_ignored_fibres(CheckContext& context, Findings& findings) {
   const SceneEffect* lengths = find_named(context.scene, "edge_length");
   if (lengths == nullptr || lengths->parameters.number("anisotropy_exponent") != 0) return;
-  if (find_named(context.scene, "activation") != nullptr) return;
+  // With fibre_force edges that hold alike in all directions are what one wants: fibres hold along themselves.
+  if (find_named(context.scene, "activation") != nullptr || find_named(context.scene, "fibre_force") != nullptr) return;
   if (std::ranges::none_of(context.scene.muscles, has_fibres)) return;
   Finding& finding = findings.emplace_back(
       cannot_act("muscle.fibres", "no effect uses the fibres: edge_length.anisotropy_exponent is 0"));
@@ -219,6 +220,19 @@ void find_fibres_without_ends(CheckContext& context, Findings& findings) {
                     "[[attachment]] to its other bones",
                     scene.muscles[muscle].body.name, bones.empty() ? "no bone" : "one bone only")));
   }
+}
+
+void find_speed_of_jumps(CheckContext& context, Findings& findings) {
+  const SceneEffect* fibres = find_named(context.scene, "fibre_force");
+  if (fibres == nullptr || context.scene.loop.interpolate_poses) return;
+  if (fibres->parameters.number("level") == 0 || fibres->parameters.number("fastest_per_s") == 0) return;
+  findings.push_back(
+      {.kind = FindingKind::contradiction,
+       .where = "loop.bone_motion",
+       .what =
+           "bones jump to the pose of a frame in its first substep, and the force of active fibres depends on their "
+           "speed: write bone_motion = \"interpolated\" below [loop], or fastest_per_s = 0 below "
+           "[effects.fibre_force]"});
 }
 
 void find_attachments(CheckContext& context, Findings& findings) {
@@ -366,7 +380,7 @@ void find_standstill(CheckContext& context, Findings& findings) {
     if (inflated != nullptr && inflated->parameters.number("pressure") != 1) return;
   }
   findings.push_back(cannot_act("bone.motion",
-                                "no bone moves, and neither gravity nor activation moves the muscle: "
+                                "no bone moves, and neither gravity nor active fibres move the muscle: "
                                 "nothing changes except overlaps at rest"));
 }
 
@@ -403,6 +417,7 @@ const std::vector<SceneRule>& effect_rules() {
       {"ignored_fibres", find_ignored_fibres},
       {"late_activation", find_late_activation},
       {"no_fibre_ends", find_fibres_without_ends},
+      {"speed_of_jumps", find_speed_of_jumps},
       {"late_surface_contact", find_late_surface_contact},
       {"partial_effect", find_partial_effects},
       {"bound_faces", find_bound_faces_in_contact},

@@ -171,6 +171,29 @@ TEST(ReadScene, EachRotationCarriesTheAxesOfThoseAfterIt) {
   expect_one_line(error_of(text + "[measure]\nfibres = 10\n"), {"test.toml:", "fibres", "'box'", "several"});
 }
 
+TEST(ReadScene, AMotionMayGoToItsFirstAngleFromRest) {
+  const auto angles_deg = [](const std::string& from, const std::string& to) {
+    const Scene scene = read_scene(request_of(
+        "[loop]\nframes = 12\n" + std::string(box_without_motion) +
+        "[bone.motion]\ncentre_m = [0, 0, 0]\naxis = [0, 0, 1]\ncourse = \"rest_first\"\nfrom_deg = " + from +
+        "\nto_deg = " + to + "\n" + ball));
+    std::vector<double> angles;
+    for (const int frame : {0, 1, 2, 4, 12}) angles.push_back(scene.angle_rad(frame) * degrees_per_radian);
+    return angles;
+  };
+  const auto expect_near = [](const std::vector<double>& found, const std::vector<double>& wanted) {
+    for (std::size_t i = 0; i < wanted.size(); ++i) EXPECT_NEAR(found[i], wanted[i], 1e-12) << i;
+  };
+  expect_near(angles_deg("-20", "80"), {0, -10, -20, 0, 80});
+  expect_near(angles_deg("0", "60"), {0, 5, 10, 20, 60});
+  expect_near(angles_deg("30", "30"), {0, 2.5, 5, 10, 30});
+  expect_one_line(error_of(std::string(box_without_motion) +
+                           "[bone.motion]\ncentre_m = [0, 0, 0]\naxis = [0, 0, 1]\ncourse = \"rest_first\"\n"
+                           "table = \"no.mot\"\ncolumn = \"hip\"\n" +
+                           ball),
+                  {"test.toml:", "rest_first", "table of angles"});
+}
+
 TEST(ReadScene, AMuscleHasADensityAndAVelocityOfItsOwn) {
   const Scene scene = read_scene(request_of(std::string(box_without_motion) + ball +
                                             "density_kg_per_m3 = 500.0\nvelocity_m_per_s = [0, 0, -3]\n"));

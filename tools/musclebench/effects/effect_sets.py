@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-LOADS = ("gravity", "activation")  # move the muscle; the others say how it answers. Not among all unless a scene has one
+LOADS = ("gravity", "activation", "fibre_force")  # move the muscle; the others say how it answers. Not among all unless a scene has one
 # Not left out: without attachments a muscle stays where it is, and without edges its surface has no shape to keep, falls
 # together and touches itself everywhere (a run of the largest muscle did not end within minutes).
 KEPT = ("attachment", "edge_length")

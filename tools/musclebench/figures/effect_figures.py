@@ -12,7 +12,7 @@ from .style import plt
 # Of one hue what does one thing: forces grey, form blue, volume green, contact warm; the loop light.
 EFFECT_COLOURS = {
     "gravity": "#4d4d4d", "damping": "#808080", "attachment": "#b3b3b3",
-    "edge_length": "#23395B", "bending": "#6A8CAF", "activation": "#A9C5DE",
+    "edge_length": "#23395B", "bending": "#6A8CAF", "activation": "#A9C5DE", "fibre_force": "#D3E1EE",
     "volume": "#3E5C4B", "local_volume": "#86A593",
     "margin": "#F0E442", "friction": "#E69F00", "surface_contact": "#D55E00", "tunnelling_guard": "#8C2D04", "no_passage": "#662506",
     "self_contact": "#CC79A7",

@@ -20,8 +20,9 @@ ARM_COLUMNS = [
     Column("published_mm", "same hip, mean mm", 1), Column("published_min_mm", "least mm", 1),
     Column("published_max_mm", "largest mm", 1), Column("difference_mm", "difference mm", 1),
     Column("difference_percent", "difference %", 0), Column("holds", "goal"),
-    Column("active_mm", "active, mean mm", 1), Column("active_difference_mm", "difference mm", 1),
-    Column("active_holds", "goal"),
+    Column("active_mm", "active, dL/dθ mm", 1), Column("torque_mm", "torque over fibre force mm", 1),
+    Column("others_percent", "force of other effects %", 0), Column("active_difference_mm", "difference mm", 1),
+    Column("active_holds", "goal, or why not"),
     Column("lower_mm", "finite elements, lower mm", 1), Column("upper_mm", "upper mm", 1),
     Column("measured_mm", "measured mm", 1),
 ]
@@ -30,8 +31,9 @@ CAPTION = (
     "the same hip (Modenese and Kohout 2020), of finite elements of another subject (Blemker and Delp 2005, unscaled) and of "
     f"measurements. Goal: the mean within {GOAL_MM:g} mm or {GOAL_PERCENT:g} % of that of the same hip. A passive muscle falls slack where "
     "its ends come closer, as relaxed muscles do (Hoang et al. 2007, Herbert et al. 2015), and its fibres then keep their "
-    "length; published arms are those of taut lines. Active: the same with activation; it has "
-    "contracted before the joint turns."
+    "length; published arms are those of taut lines. Active: the same with fibres that pull; they have drawn taut before the "
+    "joint turns. Beside their arm stands the joint's torque over their force: by virtual work the two are one where nothing but "
+    "fibres bears force. Where they part by more than the goal, neither is compared with what is published."
 )
 NOTHING_PUBLISHED = (
     "Moment arms r = dL / d(flexion) of the fibres of each muscle, positive where they grow longer in flexion. Of the synthetic "
@@ -40,18 +42,48 @@ NOTHING_PUBLISHED = (
 
 
 def course_of(runs: list[Run]) -> pd.DataFrame:
-    """Of one muscle, whose runs begin at rest and go apart: angle_deg and the band in mm, ascending. Each run has an arm at
-    rest, of its own side; taken is that of the run that turns farthest. Raises Problem where two tell of one angle."""
-    fibres = sorted((run.fibres for run in runs), key=lambda rows: -rows["angle_deg"].abs().max())
+    """Of one muscle, whose runs begin at rest and go apart, or which has one run that goes to one end first: angle_deg and the
+    band in mm, ascending. Of a run that comes to an angle twice the later time counts. Each run has an arm at rest, of its own
+    side; taken is that of the run that turns farthest. Raises Problem where two tell of one angle."""
+    fibres = sorted((_rounded(run.fibres).drop_duplicates("angle_deg", keep="last") for run in runs),
+                    key=lambda rows: -rows["angle_deg"].abs().max())
     rows = pd.concat([rows if i == 0 else rows[rows["frame"] > 0] for i, rows in enumerate(fibres)])
     twice = rows["angle_deg"][rows["angle_deg"].duplicated()]
     if len(twice):
         folders = ", ".join(str(run.folder.name) for run in runs)
         raise Problem(f"{folders}: more than one tells of {twice.iloc[0]:g} degrees; a muscle needs one run of flexion and one of extension")
     course = pd.DataFrame({"angle_deg": rows["angle_deg"], "error_mm": 1e3 * rows["moment_arm_error_m"]})
+    told = pd.concat([_forces_at(run) for run in runs])
+    if len(told):  # rows of one angle are of one run, but for rest, which has no forces
+        told = told[~told.index.duplicated()].reindex(rows["angle_deg"])
+        course["torque_mm"], course["others_percent"] = told["torque_mm"].to_numpy(), told["others_percent"].to_numpy()
     for name in BAND:
         course[f"{name}_mm"] = 1e3 * rows[f"{name}_moment_arm_m"]
     return course.sort_values("angle_deg", kind="stable").reset_index(drop=True)
+
+
+def _rounded(rows: pd.DataFrame) -> pd.DataFrame:
+    """One angle is one number, on the way there and on the way back."""
+    return rows.assign(angle_deg=rows["angle_deg"].round(6))
+
+
+def _forces_at(run: Run) -> pd.DataFrame:
+    """By angle: torque_mm, the torque of the muscle's attachments and contacts over the force of its fibres, in the sign of
+    dL/dθ, and others_percent, what its other effects bear at the bone that turns, of what its fibres bear there. Frames whose
+    contact does not tell its bone are left out; empty where no fibres pull."""
+    columns = ["torque_mm", "others_percent"]
+    if run.forces.empty or "fibres_n" not in run.forces or run.forces["fibres_n"].isna().all():
+        return pd.DataFrame(columns=columns)
+    known = run.forces["frame"].isin(run.forces["frame"][run.forces["source"] == "joint"])
+    muscle = run.fibres["muscle"].iloc[0] if "muscle" in run.fibres else run.muscle_alone
+    turning = _rounded(run.forces[known & (run.forces["muscle"] == muscle) & run.forces["torque_n_m"].notna()])
+    last = turning.groupby("angle_deg")["frame"].transform("max") if len(turning) else turning["frame"]
+    turning = turning[turning["frame"] == last]
+    attached = turning[turning["source"] == "attachment"].groupby("angle_deg")
+    force_n = attached["fibres_n"].first()
+    torque_mm = -1e3 * turning.groupby("angle_deg")["torque_n_m"].sum() / force_n.where(force_n > 0)
+    others = 100 * attached["passive_n"].sum().abs() / attached["active_n"].sum()
+    return pd.DataFrame({"torque_mm": torque_mm, "others_percent": others}, columns=columns)
 
 
 def arm_table(passive: dict[str, pd.DataFrame], active: dict[str, pd.DataFrame],
@@ -69,14 +101,20 @@ def _row(muscle: str, angle: float, passive: pd.DataFrame, active: pd.DataFrame 
         return curves[name].at(angle) if curves else np.nan
 
     mean, wanted = _at(passive, "mean_mm", angle), of(published.same_hip, "mean")
-    with_tension = _at(active, "mean_mm", angle) if active is not None else np.nan
+    def taut(key: str) -> float:
+        return _at(active, key, angle) if active is not None and key in active else np.nan
+
+    with_tension, by_torque = taut("mean_mm"), taut("torque_mm")
+    parted = "" if np.isnan(by_torque) or _holds(by_torque, with_tension) == "yes" else \
+        f"dL/dθ and torque part by {abs(by_torque - with_tension):.1f} mm"
     return {
         "muscle": muscle, "angle_deg": angle, "mean_mm": mean, "min_mm": _at(passive, "min_mm", angle),
         "max_mm": _at(passive, "max_mm", angle), "error_mm": _at(passive, "error_mm", angle), "published_mm": wanted,
         "published_min_mm": of(published.same_hip, "min"), "published_max_mm": of(published.same_hip, "max"),
         "difference_mm": mean - wanted, "difference_percent": 100 * (mean - wanted) / abs(wanted) if wanted else np.nan,
-        "holds": _holds(mean, wanted), "active_mm": with_tension, "active_difference_mm": with_tension - wanted,
-        "active_holds": _holds(with_tension, wanted),
+        "holds": _holds(mean, wanted), "active_mm": with_tension, "torque_mm": by_torque, "others_percent": taut("others_percent"),
+        "active_difference_mm": np.nan if parted else with_tension - wanted,
+        "active_holds": parted or _holds(with_tension, wanted),
         "lower_mm": of(published.finite_elements, "lower"), "upper_mm": of(published.finite_elements, "upper"),
         "measured_mm": published.measured.at(angle) if published.measured else np.nan,
     }

@@ -1,8 +1,9 @@
 """Measures moment arms of hip muscles in flexion and compares them with published moment arms.
 
-The tool lets each muscle come to rest, then turns its joint from rest to both ends of its range (-10 and 90 degrees). It uses the
-`standard` preset, the effects that `musclebench check` recommends, and exact contact. It follows 100 fibres through each muscle,
-passive and active. The moment arm is dL/d(angle), the change of a fibre's length with the angle. Tables in --out give the mean
+The tool turns the joint of each muscle over its range, from -10 to 90 degrees. It uses the `standard` preset, the effects that
+`musclebench check` recommends, and exact contact. It follows 100 fibres through each muscle, passive and active: active fibres
+pull with a twentieth of their peak stress (`fibre_force`). The moment arm is dL/d(angle), the change of a fibre's length with
+the angle. Of active muscles the table also has the joint's torque over the force of the fibres. Tables in --out give the mean
 and the band over the fibres. bench/experiments/moment_arms.toml holds the settings.
 
 With --data the tables also show published values of the same hip (Modenese and Kohout 2020), of finite elements (Blemker

@@ -63,7 +63,8 @@ def stretch_scale(stretches: list[np.ndarray]) -> colors.Normalize:
 
 def name_of(run: Run) -> str:
     """Its muscle, and whether it is active."""
-    return f"{run.muscle}, active" if "activation" in run.record["case"]["effects"] else run.muscle
+    is_active = {"activation", "fibre_force"} & set(run.record["case"]["effects"])
+    return f"{run.muscle}, active" if is_active else run.muscle
 
 
 def draw_fibres(runs: dict[str, Run], stem: Path, say: Callable[[str], None]) -> list[Path]:

@@ -68,7 +68,8 @@ TEST(EffectRules, FindParametersThatDoNothing) {
        {Example{"damping", "rate_per_s", "1"}, Example{"friction", "coefficient", "0.1"},
         Example{"margin", "thickness_m", "0.001"}, Example{"volume", "projection_scale", "0.1"},
         Example{"local_volume", "projection_scale", "0.1"}, Example{"bending", "stiffness", "0.1"},
-        Example{"activation", "level", "0.1"}, Example{"activation", "shortening", "0.1"}}) {
+        Example{"activation", "level", "0.1"}, Example{"activation", "shortening", "0.1"},
+        Example{"fibre_force", "peak_stress_pa", "0.1"}}) {
     const auto text = [&, &name = effect, &key = parameter](const std::string& value) {
       return fmt::format("[effects.{}]\n{} = {}\n", name, key, value);
     };
@@ -105,15 +106,47 @@ TEST(EffectRules, FindFibresThatNothingLooksAt) {
                            "[effects.attachment]\n[effects.edge_length]\n";
   EXPECT_TRUE(is_found(check_scene_of(text + "anisotropy_exponent = 0\n"), "ignored_fibres"));
   EXPECT_FALSE(is_found(check_scene_of(text), "ignored_fibres"));
-  EXPECT_FALSE(is_found(check_scene_of(text + "anisotropy_exponent = 0\n[effects.activation]\n"), "ignored_fibres"));
+  for (const char* pulls : {"activation", "fibre_force"}) {
+    EXPECT_FALSE(is_found(check_scene_of(text + fmt::format("anisotropy_exponent = 0\n[effects.{}]\n", pulls)),
+                          "ignored_fibres"));
+  }
 }
 
 TEST(EffectRules, FindAnActivationAfterTheEnd) {
-  const auto is_late = [](double start_s) {
-    return is_found(scene_with(fmt::format("[effects.activation]\nstart_s = {}\n", start_s)), "late_activation");
+  for (const char* effect : {"activation", "fibre_force"}) {
+    const auto is_late = [&](double start_s) {
+      return is_found(scene_with(fmt::format("[effects.{}]\nstart_s = {}\n", effect, start_s)), "late_activation",
+                      fmt::format("effects.{}.start_s", effect));
+    };
+    EXPECT_TRUE(is_late(0.011));  // ten frames of a step of 1 ms
+    EXPECT_FALSE(is_late(0.009));
+  }
+}
+
+TEST(EffectRules, FindFibresWhoseSpeedIsThatOfBonesThatJump) {
+  const auto jumps = [](const std::string& parameters, const std::string& motion) {
+    return is_found(check_scene_of("[loop]\nframes = 10\nbone_motion = \"" + motion + "\"\n" + bone_text("plate") +
+                                   bone_text("lid", turning(1)) + muscle_text("ball") +
+                                   "[effects.edge_length]\n[effects.fibre_force]\n" + parameters),
+                    "speed_of_jumps", "loop.bone_motion");
   };
-  EXPECT_TRUE(is_late(0.011));  // ten frames of a step of 1 ms
-  EXPECT_FALSE(is_late(0.009));
+  EXPECT_TRUE(jumps("", "per_frame"));
+  EXPECT_FALSE(jumps("", "interpolated"));
+  EXPECT_FALSE(jumps("level = 0\n", "per_frame"));
+  EXPECT_FALSE(jumps("fastest_per_s = 0\n", "per_frame"));
+}
+
+TEST(EffectRules, FindFibresWithoutTwoEnds) {
+  const auto is_inert = [](const std::string& attachments) {
+    return is_found(
+        check_scene_of(short_loop + bone_text("plate") + bone_text("lid", turning(1)) + muscle_text("ball", "") +
+                       attachments + "[effects.attachment]\n" + "[effects.edge_length]\n[effects.fibre_force]\n"),
+        "no_fibre_ends", "effects.fibre_force");
+  };
+  const std::string one = attachment_text("plate", "ball", 0.003);
+  EXPECT_TRUE(is_inert(""));
+  EXPECT_TRUE(is_inert(one));
+  EXPECT_FALSE(is_inert(one + attachment_text("lid", "ball", 0.003, 0.024)));
 }
 
 TEST(EffectRules, FindAttachmentsWithoutTheEffectAndTheEffectWithoutAttachments) {
