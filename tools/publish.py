@@ -23,6 +23,7 @@ PROJECT = TOOLS.parent
 SEVERAL_MUSCLES = "hip"  # the scene of each data set whose muscles touch
 SMOOTH_SCENES = ("iliacus", "gluteus_maximus")  # one that folds and one that doesn't
 MADE_BY_CODE = {"hard"}  # studies whose scenes belong to no anatomy
+REAL_ONLY = {"moment-arms"}  # studies beside which nothing stands for the synthetic hip
 
 
 @dataclass(frozen=True)
@@ -51,7 +52,7 @@ class Step:
         return " ".join(words)
 
     def command(self, program: Path, out_dir: Path) -> list[str]:
-        return [sys.executable, str(TOOLS / f"{self.kind}.py"), "--musclebench", str(program), "--out", str(out_dir),
+        return [sys.executable, str(TOOLS / f"{self.kind.replace('-', '_')}.py"), "--musclebench", str(program), "--out", str(out_dir),
                 *(("--data", str(self.data_dir.resolve())) if self.data_dir else ()),
                 *self._scene_arguments, *self.arguments]
 
@@ -60,14 +61,16 @@ def steps_of(options) -> list[Step]:
     data_sets = ["synthetic", *(["lhdl"] if options.data else [])]
     wanted = options.only or list(TABLES)
     steps = [Step(kind, name, _arguments(kind, name, options), options.data if name == "lhdl" else None, scene)
-             for kind in TABLES if kind in wanted for name in (data_sets[:1] if kind in MADE_BY_CODE else data_sets)
+             for kind in TABLES if kind in wanted
+             for name in (data_sets[:1] if kind in MADE_BY_CODE else data_sets[1:] if kind in REAL_ONLY else data_sets)
              for scene in ("", *([SEVERAL_MUSCLES] if kind == "paper" else []))]
     # Speed is about the muscle's own data where they are there: its targets were set on them.
     return [step for step in steps if step.kind != "speed" or step.data_set == data_sets[-1]]
 
 
 def _arguments(kind: str, data_set: str, options) -> tuple[str, ...]:
-    quick = {"paper": ("--frames-limit", "20"), "budget": ("--frames-limit", "20", "--finest", "2"), "hard": ()}.get(kind, ("--quick",))
+    quick = {"paper": ("--frames-limit", "20"), "budget": ("--frames-limit", "20", "--finest", "2"), "hard": (),
+             "moment-arms": ("--frames-limit", "12", "--passive-only")}.get(kind, ("--quick",))
     # Once each: the intervals come from blocks of frames and from samples. The dearest choices drive the smaller
     # muscles only. All of it has to fit into two hours.
     own = {"paper": ("--jobs", "1"),

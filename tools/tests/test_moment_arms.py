@@ -50,6 +50,7 @@ def band(angles, mean):
 
 
 def run_with(fibres):
+    fibres = fibres if "muscle" in fibres else fibres.assign(muscle="iliacus")
     return Run(Path("nowhere"), {"status": "ok", "case": {"scene": "lhdl/iliacus"}}, pd.DataFrame(), fibres=fibres)
 
 

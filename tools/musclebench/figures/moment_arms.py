@@ -8,7 +8,7 @@ from ..moment_arms.published import Published
 from . import style
 from .style import muscle_label, plt
 
-OURS, SAME_HIP, ELEMENTS, MEASURED = "#d55e00", "#0072b2", "#7f7f7f", "#000000"
+OURS, TAUT, SAME_HIP, ELEMENTS, MEASURED = "#e8a37a", "#d55e00", "#0072b2", "#7f7f7f", "#000000"
 
 
 def draw_moment_arms(courses: dict[str, pd.DataFrame], active: dict[str, pd.DataFrame],
@@ -20,8 +20,10 @@ def draw_moment_arms(courses: dict[str, pd.DataFrame], active: dict[str, pd.Data
         axes.fill_between(course["angle_deg"], course["p10_mm"], course["p90_mm"], color=OURS, alpha=0.3, linewidth=0)
         axes.plot(course["angle_deg"], course["mean_mm"], color=OURS, label="here, passive: mean, 10th to 90th percentile")
         if muscle in active:
-            axes.plot(active[muscle]["angle_deg"], active[muscle]["mean_mm"], color=OURS, linestyle=(0, (4, 1.5)),
-                      label="here, active: mean")
+            axes.plot(active[muscle]["angle_deg"], active[muscle]["mean_mm"], color=TAUT, label="here, active: mean dL/d(angle)")
+            if "torque_mm" in active[muscle]:
+                axes.plot(active[muscle]["angle_deg"], active[muscle]["torque_mm"], color=TAUT, linestyle=(0, (4, 1.5)),
+                          label="here, active: torque over fibre force")
         axes.axhline(0, color="0.7", linewidth=0.6, zorder=0)
         axes.set_title(muscle_label(muscle), loc="left")
         axes.set_xlabel("flexion (degrees)")

@@ -8,7 +8,7 @@ import pandas as pd
 from ..program.cli import Problem
 from ..results.run_folder import Run
 from ..tables.table_formats import Column, Table
-from .published import Curve, Published
+from .published import NEAR_DEG, Curve, Published
 
 COMPARED_DEG = (-10, 0, 10, 20, 30, 40, 50, 60)
 GOAL_MM, GOAL_PERCENT = 5.0, 15.0
@@ -43,47 +43,45 @@ NOTHING_PUBLISHED = (
 
 def course_of(runs: list[Run]) -> pd.DataFrame:
     """Of one muscle, whose runs begin at rest and go apart, or which has one run that goes to one end first: angle_deg and the
-    band in mm, ascending. Of a run that comes to an angle twice the later time counts. Each run has an arm at rest, of its own
-    side; taken is that of the run that turns farthest. Raises Problem where two tell of one angle."""
-    fibres = sorted((_rounded(run.fibres).drop_duplicates("angle_deg", keep="last") for run in runs),
-                    key=lambda rows: -rows["angle_deg"].abs().max())
+    band in mm, ascending, and where forces are told torque_mm and others_percent. Of a run that comes to an angle twice the
+    later time counts. Each run has an arm at rest, of its own side; taken is that of the run that turns farthest. Raises Problem
+    where two tell of one angle."""
+    fibres = sorted((_by_angle(run) for run in runs), key=lambda rows: -rows["angle_deg"].abs().max())
     rows = pd.concat([rows if i == 0 else rows[rows["frame"] > 0] for i, rows in enumerate(fibres)])
     twice = rows["angle_deg"][rows["angle_deg"].duplicated()]
     if len(twice):
         folders = ", ".join(str(run.folder.name) for run in runs)
         raise Problem(f"{folders}: more than one tells of {twice.iloc[0]:g} degrees; a muscle needs one run of flexion and one of extension")
     course = pd.DataFrame({"angle_deg": rows["angle_deg"], "error_mm": 1e3 * rows["moment_arm_error_m"]})
-    told = pd.concat([_forces_at(run) for run in runs])
-    if len(told):  # rows of one angle are of one run, but for rest, which has no forces
-        told = told[~told.index.duplicated()].reindex(rows["angle_deg"])
-        course["torque_mm"], course["others_percent"] = told["torque_mm"].to_numpy(), told["others_percent"].to_numpy()
     for name in BAND:
         course[f"{name}_mm"] = 1e3 * rows[f"{name}_moment_arm_m"]
+    for name in ("torque_mm", "others_percent"):
+        if name in rows:
+            course[name] = rows[name]
     return course.sort_values("angle_deg", kind="stable").reset_index(drop=True)
 
 
-def _rounded(rows: pd.DataFrame) -> pd.DataFrame:
-    """One angle is one number, on the way there and on the way back."""
-    return rows.assign(angle_deg=rows["angle_deg"].round(6))
+def _by_angle(run: Run) -> pd.DataFrame:
+    """Rows of fibres.csv with what forces.csv tells of their frames. One angle is one number, on the way there and on the way
+    back."""
+    rows = run.fibres.assign(angle_deg=run.fibres["angle_deg"].round(6)).drop_duplicates("angle_deg", keep="last")
+    told = _by_frame(run)
+    return rows.join(told, on="frame") if len(told) else rows
 
 
-def _forces_at(run: Run) -> pd.DataFrame:
-    """By angle: torque_mm, the torque of the muscle's attachments and contacts over the force of its fibres, in the sign of
-    dL/dθ, and others_percent, what its other effects bear at the bone that turns, of what its fibres bear there. Frames whose
-    contact does not tell its bone are left out; empty where no fibres pull."""
-    columns = ["torque_mm", "others_percent"]
-    if run.forces.empty or "fibres_n" not in run.forces or run.forces["fibres_n"].isna().all():
-        return pd.DataFrame(columns=columns)
-    known = run.forces["frame"].isin(run.forces["frame"][run.forces["source"] == "joint"])
-    muscle = run.fibres["muscle"].iloc[0] if "muscle" in run.fibres else run.muscle_alone
-    turning = _rounded(run.forces[known & (run.forces["muscle"] == muscle) & run.forces["torque_n_m"].notna()])
-    last = turning.groupby("angle_deg")["frame"].transform("max") if len(turning) else turning["frame"]
-    turning = turning[turning["frame"] == last]
-    attached = turning[turning["source"] == "attachment"].groupby("angle_deg")
-    force_n = attached["fibres_n"].first()
-    torque_mm = -1e3 * turning.groupby("angle_deg")["torque_n_m"].sum() / force_n.where(force_n > 0)
-    others = 100 * attached["passive_n"].sum().abs() / attached["active_n"].sum()
-    return pd.DataFrame({"torque_mm": torque_mm, "others_percent": others}, columns=columns)
+def _by_frame(run: Run) -> pd.DataFrame:
+    """torque_mm: the torque of the muscle's attachments and contacts over the force of its fibres, in the sign of dL/dθ.
+    others_percent: what its other effects bear at the bone that turns, of what its fibres bear there. Frames whose contact does
+    not tell its bone are left out; empty where no fibres pull."""
+    forces = run.forces
+    if forces.empty or "fibres_n" not in forces or forces["fibres_n"].isna().all():
+        return pd.DataFrame()
+    known = forces["frame"].isin(forces["frame"][forces["source"] == "joint"])
+    turning = forces[known & (forces["muscle"] == run.fibres["muscle"].iloc[0]) & forces["torque_n_m"].notna()]
+    attached = turning[turning["source"] == "attachment"].groupby("frame")
+    force_n, active_n = attached["fibres_n"].first(), attached["active_n"].sum()
+    return pd.DataFrame({"torque_mm": -1e3 * turning.groupby("frame")["torque_n_m"].sum() / force_n.where(force_n > 0),
+                         "others_percent": 100 * attached["passive_n"].sum().abs() / active_n.where(active_n > 0)})
 
 
 def arm_table(passive: dict[str, pd.DataFrame], active: dict[str, pd.DataFrame],
@@ -101,11 +99,12 @@ def _row(muscle: str, angle: float, passive: pd.DataFrame, active: pd.DataFrame 
         return curves[name].at(angle) if curves else np.nan
 
     mean, wanted = _at(passive, "mean_mm", angle), of(published.same_hip, "mean")
+
     def taut(key: str) -> float:
         return _at(active, key, angle) if active is not None and key in active else np.nan
 
     with_tension, by_torque = taut("mean_mm"), taut("torque_mm")
-    parted = "" if np.isnan(by_torque) or _holds(by_torque, with_tension) == "yes" else \
+    parted = "" if np.isnan(by_torque) or np.isnan(with_tension) or _holds(by_torque, with_tension) == "yes" else \
         f"dL/dθ and torque part by {abs(by_torque - with_tension):.1f} mm"
     return {
         "muscle": muscle, "angle_deg": angle, "mean_mm": mean, "min_mm": _at(passive, "min_mm", angle),
@@ -121,9 +120,10 @@ def _row(muscle: str, angle: float, passive: pd.DataFrame, active: pd.DataFrame 
 
 
 def _at(course: pd.DataFrame, key: str, angle: float) -> float:
-    """NaN beyond the angles that are known."""
+    """NaN beyond the angles that are known, and where those of the nearest frames are not."""
     known = course[course[key].notna()]
-    if known.empty:
+    frame_deg = course["angle_deg"].diff().median()
+    if known.empty or (known["angle_deg"] - angle).abs().min() > max(NEAR_DEG, frame_deg):
         return np.nan
     return Curve(known["angle_deg"].to_numpy(), known[key].to_numpy()).at(angle)
 

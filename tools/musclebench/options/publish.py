@@ -1,6 +1,6 @@
 """Runs all studies on one commit and one machine, and writes every measured table, picture and number of README and reports.
 
-The studies are the paper's experiment, accuracy, speed, hard cases, the error budget, and effects. When a study is
+The studies are the paper's experiment, accuracy, speed, hard cases, the error budget, moment arms, and effects. When a study is
 complete, its results go to reports/measured with commit, machine and date. Then the tool writes the pages again.
 
   tools/publish --quick            a rehearsal

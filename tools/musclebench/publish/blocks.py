@@ -12,6 +12,7 @@ from ..budget import budget_report, substeps_table
 from ..budget.sources import with_rest
 from ..effects import effect_tables, guards, returns
 from ..hard import hard_tables
+from ..moment_arms import moment_report
 from ..program.cli import Problem
 from ..results.disturbance import MARK
 from ..tables import (
@@ -33,6 +34,8 @@ ARM_PRICE_KEYS = ("muscle", "target_mm", "configuration", "time_ms", "ratio", "s
                   "length_rms_mm", "arm_floor_mm", "note")
 ARM_ERROR_KEYS = ("muscle", "configuration", "time_ms", "arm_rms_mm", "arm_max_mm", "arm_percent", "length_rms_mm",
                   "arm_floor_mm")
+MOMENT_ARM_KEYS = ("muscle", "angle_deg", "mean_mm", "active_mm", "torque_mm", "others_percent", "published_mm", "lower_mm", "upper_mm",
+                   "measured_mm", "active_holds")
 FORCE_ERROR_KEYS = ("muscle", "configuration", "time_ms", "torque_percent", "torque_floor_percent", "contact_percent", "pressure_percent",
                     "pressure_floor_percent")
 FACTOR_KEYS = ("muscle", "choice", "time_ms", "factor", "ratio", "missed", "true", "p99_offset_mm")
@@ -213,4 +216,5 @@ BLOCKS: dict[str, Callable[[Measured, str, str], str]] = {
     "substeps": _from("substeps", substeps_table.COLUMNS, SUBSTEP_KEYS),
     "budget": _from("budget", budget_report.COLUMNS, BUDGET_KEYS),
     "budget_by_muscle": _budget_by_muscle,
+    "moment_arms": _from("moment_arms", moment_report.ARM_COLUMNS, MOMENT_ARM_KEYS),
 }

@@ -8,6 +8,7 @@ TABLES = {
     "speed": ("speed.csv",),
     "hard": ("tables/cells.csv", "tables/cases.csv"),
     "budget": ("tables/budget.csv", "tables/substeps.csv"),
+    "moment-arms": ("tables/moment_arms.csv",),
     "effects": ("tables/effect_costs.csv", "tables/effect_changes.csv", "tables/effect_prices.csv",
                 "tables/returns.csv", "tables/guards.csv"),
     "accuracy": ("tables/price_list.csv", "tables/arm_price_list.csv", "tables/arm_errors.csv", "tables/force_errors.csv",
