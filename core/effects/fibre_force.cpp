@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include "core/constraints/fibre_constraints.hpp"
@@ -114,16 +116,38 @@ class FibreForce final : public Effect {
   std::vector<double> m_free_lengths_m;  ///< by body
 };
 
+FibreLaw law_of(const Parameters& parameters) {
+  const double optimal_stretch = parameters.number("optimal_stretch");
+  // Muscle keeps its volume: where fibres are longer than at rest its section is as much smaller.
+  return {.peak_stress_pa = parameters.number("peak_stress_pa") / optimal_stretch,
+          .optimal_stretch = optimal_stretch,
+          .passive_strain = parameters.number("passive_strain"),
+          .fastest_per_s = parameters.number("fastest_per_s")};
+}
+
 }  // namespace
 
 std::unique_ptr<Effect> make_fibre_force(const EffectInput& input, const Parameters& parameters) {
-  const double optimal_stretch = parameters.number("optimal_stretch");
-  // Muscle keeps its volume: where fibres are longer than at rest its section is as much smaller.
-  const FibreLaw law{.peak_stress_pa = parameters.number("peak_stress_pa") / optimal_stretch,
-                     .optimal_stretch = optimal_stretch,
-                     .passive_strain = parameters.number("passive_strain"),
-                     .fastest_per_s = parameters.number("fastest_per_s")};
-  return std::make_unique<FibreForce>(ActivationCourse(parameters), fibres_of(input), input, law);
+  return std::make_unique<FibreForce>(ActivationCourse(parameters), fibres_of(input), input, law_of(parameters));
+}
+
+double longest_fibre_step_s(const EffectInput& input, const Parameters& parameters,
+                            std::span<const double> inverse_masses) {
+  const double stress_pa = parameters.number("level") * law_of(parameters).peak_stress_pa;
+  std::vector<double> stiffnesses_n_per_m(inverse_masses.size(), 0.0);
+  for (const FibreConstraint& fibre : fibres_of(input).constraints) {
+    double sum_per_m = 0;
+    for (const double per_m : fibre.per_m) sum_per_m += std::abs(per_m);
+    for (std::size_t k = 0; k < 3; ++k) {
+      stiffnesses_n_per_m[static_cast<std::size_t>(fibre.nodes[k])] +=
+          stress_pa * fibre.volume_m3 * std::abs(fibre.per_m[k]) * sum_per_m;
+    }
+  }
+  double stiffest_per_s2 = 0;
+  for (std::size_t node = 0; node < inverse_masses.size(); ++node) {
+    stiffest_per_s2 = std::max(stiffest_per_s2, inverse_masses[node] * stiffnesses_n_per_m[node]);
+  }
+  return stiffest_per_s2 > 0 ? std::sqrt(2 / stiffest_per_s2) : std::numeric_limits<double>::infinity();
 }
 
 std::vector<ParameterSpec> fibre_force_parameters() {

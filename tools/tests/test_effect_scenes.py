@@ -292,7 +292,7 @@ def test_fibres_that_pull_keep_a_muscle_straight_while_its_ends_come_closer(run)
     assert taut.record["status"] == "ok" and taut.outcome["max_volume_error"] < 0.05
     assert farthest_off_axis_m(taut) < 5e-4 and farthest_off_axis_m(slack) > 0.01
     # Hill's curves: at rest in the last frames, and half as active with half the level.
-    half = run("fibre_force", "--forces", "--effect", "fibre_force:level=0.1", frames=(60,))
+    half = run("fibre_force", "--forces", "--effect", "fibre_force:level=0.025", frames=(60,))
     forces_n = [last_fibre_force_n(result) for result in (half, taut)]
     assert forces_n[1] == pytest.approx(2 * forces_n[0], rel=0.02)
 

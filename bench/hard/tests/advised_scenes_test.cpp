@@ -68,6 +68,7 @@ void expect_that_advice_holds(int recommendations) {
         EXPECT_LE(depth_in_its_run_m(scene, advice.measured[*advice.chosen].configuration), wanted_m);
         continue;
       }
+      if (advice.untried) continue;  // the time was up before the next trial
       for (const Assessment& row : advice.measured) {
         EXPECT_TRUE(row.error_m > wanted_m || !row.refusal.empty()) << row.configuration.text();
       }

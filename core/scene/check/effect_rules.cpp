@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <set>
 #include <span>
 #include <string_view>
@@ -8,8 +9,10 @@
 #include <fmt/ranges.h>
 
 #include "core/effects/effect_registry.hpp"
+#include "core/effects/fibre_force.hpp"
 #include "core/mesh/mesh_size.hpp"
 #include "core/scene/check/scene_check.hpp"
+#include "core/scene/prepare_simulation.hpp"
 
 namespace musclebench {
 
@@ -235,6 +238,43 @@ void find_speed_of_jumps(CheckContext& context, Findings& findings) {
            "[effects.fibre_force]"});
 }
 
+/// Of a scene as it would run.
+double longest_fibre_step_s(const Scene& scene, const Parameters& parameters) {
+  const std::vector<BoundNode> bound = scene.bound_nodes();
+  const std::vector<Body> bodies = scene.bodies();
+  const NodeOrder order(scene.muscle_mesh.vertices, bodies);
+  std::vector<EndNodes> ends;
+  std::vector<double> inverse_masses;
+  for (std::size_t muscle = 0; muscle < scene.muscles.size(); ++muscle) {
+    ends.push_back(scene.end_nodes(muscle, bound));
+    inverse_masses.resize(static_cast<std::size_t>(bodies[muscle].last_node),
+                          1 / node_mass_kg(scene, scene.muscles[muscle]));
+  }
+  for (const BoundNode& node : bound) inverse_masses[static_cast<std::size_t>(node.node)] = 0;
+  const std::vector<std::vector<FibreSegment>> fibres(bodies.size());
+  const std::vector<RigidMotion> poses(scene.bones.size());
+  return longest_fibre_step_s({scene.muscle_mesh, bodies, order, fibres, bound, poses, ends}, parameters,
+                              inverse_masses);
+}
+
+void find_steps_too_long_for_fibres(CheckContext& context, Findings& findings) {
+  const Scene& scene = context.scene;
+  const SceneEffect* fibres = find_named(scene, "fibre_force");
+  if (fibres == nullptr || scene.attach_at_first_contact || fibres->parameters.number("level") == 0) return;
+  const double longest_s = longest_fibre_step_s(scene, fibres->parameters);
+  double step_s = scene.loop.time_step_s;
+  for (const TimeStepChange& change : scene.loop.time_step_changes) step_s = std::max(step_s, change.time_step_s);
+  if (!(step_s > longest_s)) return;
+  const double times = std::ceil(step_s / longest_s);
+  Finding& finding = findings.emplace_back(Finding{
+      .kind = FindingKind::contradiction,
+      .where = key_of("fibre_force", "level"),
+      .what = fmt::format("pulls so hard that the muscle may crumple with steps of {:.3g} ms: take {:.0f} times as "
+                          "many substeps of {:.3g} ms, or a lower level",
+                          1e3 * step_s, times, 1e3 * step_s / times)});
+  finding.figures = {{"time_step_s", step_s}, {"longest_time_step_s", longest_s}};
+}
+
 void find_attachments(CheckContext& context, Findings& findings) {
   const Scene& scene = context.scene;
   const bool wants = scene.attach_at_first_contact || !scene.attachments.empty();
@@ -418,6 +458,7 @@ const std::vector<SceneRule>& effect_rules() {
       {"late_activation", find_late_activation},
       {"no_fibre_ends", find_fibres_without_ends},
       {"speed_of_jumps", find_speed_of_jumps},
+      {"fibre_steps", find_steps_too_long_for_fibres},
       {"late_surface_contact", find_late_surface_contact},
       {"partial_effect", find_partial_effects},
       {"bound_faces", find_bound_faces_in_contact},

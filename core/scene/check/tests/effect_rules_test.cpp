@@ -136,6 +136,29 @@ TEST(EffectRules, FindFibresWhoseSpeedIsThatOfBonesThatJump) {
   EXPECT_FALSE(jumps("fastest_per_s = 0\n", "per_frame"));
 }
 
+/// Twice the level needs steps shorter by the square root of two.
+TEST(EffectRules, FindStepsInWhichActiveFibresOvershoot) {
+  const auto found = [](double level, double time_step_s) {
+    return check_scene_of(
+        fmt::format("[loop]\nframes = 10\nbone_motion = \"interpolated\"\ntime_step_s = {}\n"
+                    "density_kg_per_m3 = 1060.0\n",
+                    time_step_s) +
+        bone_text("plate") + bone_text("lid", turning(1)) + muscle_text("ball") +
+        attachment_text("plate", "ball", 0.003) + attachment_text("lid", "ball", 0.003, 0.024) +
+        fmt::format("[effects.attachment]\n[effects.edge_length]\n[effects.fibre_force]\nlevel = {}\n", level));
+  };
+  const Findings long_steps = check_scene(found(0.1, 0.01), {.only_quick = true});
+  const Finding* finding = find_finding(long_steps, "fibre_steps");
+  ASSERT_NE(finding, nullptr);
+  const double longest_s = finding->figures.back().value;
+  EXPECT_GT(longest_s, 1e-5);
+  EXPECT_FALSE(is_found(found(0.1, 0.99 * longest_s), "fibre_steps"));
+  EXPECT_TRUE(is_found(found(0.1, 1.01 * longest_s), "fibre_steps"));
+  EXPECT_FALSE(is_found(found(0.2, 0.7 * longest_s), "fibre_steps"));
+  EXPECT_TRUE(is_found(found(0.2, 0.72 * longest_s), "fibre_steps"));
+  EXPECT_FALSE(is_found(found(0, 0.01), "fibre_steps"));
+}
+
 TEST(EffectRules, FindFibresWithoutTwoEnds) {
   const auto is_inert = [](const std::string& attachments) {
     return is_found(
