@@ -26,7 +26,7 @@ from musclebench.results.ply import PlyMesh
 from printed import check_print, keep_figures
 
 PROGRAM = Path(__file__).resolve().parent / "fake_musclebench.py"
-KNOWN = ("gravity", "damping", "attachment", "edge_length", "activation", "volume", "local_volume", "bending", "margin")
+KNOWN = ("gravity", "damping", "attachment", "edge_length", "activation", "fibre_force", "volume", "local_volume", "bending", "margin")
 STANDARD = ("damping", "attachment", "edge_length", "volume", "bending")
 
 
@@ -54,7 +54,7 @@ def test_sets_are_the_own_all_each_left_out_and_each_added():
     every = {"damping", "attachment", "edge_length", "volume", "local_volume", "bending", "margin"}
     assert set(sets[OWN].effects) == set(STANDARD) and set(sets[ALL].effects) == every
     assert {one.left_out for one in sets.values()} - {""} == every - set(KEPT)
-    assert {one.added for one in sets.values()} - {""} == {"gravity", "activation", "local_volume", "margin"}
+    assert {one.added for one in sets.values()} - {""} == {"gravity", "activation", "fibre_force", "local_volume", "margin"}
     assert {name for name, one in sets.items() if one.is_loaded} == {f"own+{load}" for load in LOADS}
     assert set(sets["all-volume"].effects) == every - {"volume"}
     assert all(list(one.effects) == [name for name in KNOWN if name in one.effects] for one in sets.values())

@@ -325,11 +325,12 @@ def test_results_of_two_commits_are_refused(tmp_path):
         measured_module.source_of(tmp_path, "tools/paper")
 
 
-def test_the_plan_names_every_study_and_page(capsys):
+def test_the_plan_names_every_study_and_page(capsys, tmp_path):
     assert publish.main(["--dry-run"]) == 0
     text = capsys.readouterr().out
     assert all(f"{kind}-synthetic:" in text for kind in measured_module.TABLES if kind != "moment-arms") and "README.md" in text
-    assert publish.main(["--dry-run", "--data", "lhdl", "--only", "moment-arms"]) == 0
+    (tmp_path / "lhdl.json").write_text("{}")
+    assert publish.main(["--dry-run", "--data", str(tmp_path), "--only", "moment-arms"]) == 0
     text = capsys.readouterr().out
     assert "moment-arms-lhdl: " in text and "moment_arms.py --musclebench" in text and "moment-arms-synthetic" not in text
 
