@@ -21,16 +21,14 @@ struct FibreConstraint {
 /// How a muscle's fibres pull (Hill 1938). The curves and their constants are those of Thelen 2003, "Adjustment of
 /// muscle mechanics model parameters to simulate dynamic contractions in older adults", for young adults:
 /// - active force over length is a Gaussian of width 0.45;
-/// - passive force over length is (e^(5 strain / `passive_strain`) - 1) / (e^5 - 1), and its tangent beyond that
-/// strain;
+/// - passive force over length is (e^(5 strain / `passive_strain`) - 1) / (e^5 - 1); beyond that strain, its tangent;
 /// - active force over speed is Hill's hyperbola with 0.25, and at most 1.4 where fibres are stretched. At activation a
 ///   the fastest speed is 0.25 + 0.75 a of that of fully active fibres.
 struct FibreLaw {
   double peak_stress_pa = 3e5;  ///< of fully active fibres at their optimal length; of the section at rest
   double optimal_stretch = 1;   ///< of fibres at their optimal length
   double passive_strain = 0.6;  ///< beyond the optimal length, at which passive fibres bear `peak_stress_pa`
-  double fastest_per_s =
-      10;  ///< optimal lengths a second at which active fibres bear nothing; 0: speed changes nothing
+  double fastest_per_s = 10;    ///< optimal lengths a second at which active fibres bear nothing; 0: none
 
   // Parts of the peak stress, of fully active fibres.
   [[nodiscard]] double active_at(double stretch) const;
@@ -51,8 +49,7 @@ struct FibreSlots;
 /// stiffness in place of a compliance, which may be 0:
 /// - Passive fibres store energy, the volume times the integral of the nominal stress over the stretch. In a substep
 ///   that stress is linear in the stretch at its end, with value and slope as at its start.
-/// - Active fibres longer than the mean bear more than it, and shorter ones less, in proportion: they resist quick
-/// changes
+/// - Active fibres longer than the mean bear more, and shorter ones less, in proportion: they resist quick changes
 ///   (their short-range stiffness: Cui and others 2008). Else some parts of a fibre would run together and others
 ///   apart, since nothing decides between them.
 class FibreConstraints {
@@ -71,7 +68,7 @@ class FibreConstraints {
 
   void forget_pulls();
   /// By body, what its fibres pulled since `forget_pulls`: their volume times nominal stress times duration, N m s.
-  /// Divided by the fibres' mean length and the duration, the mean force along all fibres.
+  /// Divided by the mean length of what no bone carries of them and by the duration, the mean force along all fibres.
   [[nodiscard]] std::vector<double> pulls_n_m_s() const;
 
  private:

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "core/effects/effect_registry.hpp"
@@ -17,9 +18,11 @@ namespace musclebench {
 std::unique_ptr<Effect> make_fibre_force(const EffectInput& input, const Parameters& parameters);
 std::vector<ParameterSpec> fibre_force_parameters();
 
-/// The longest time step, in s, with which active fibres of this level throw no node to and fro: they pull where nodes
-/// were at the start of a substep, so that light nodes of a fine mesh overshoot (h^2 k w <= 2, where k bounds how the
-/// pull on a node grows with its place, by Gershgorin). Infinite where nothing pulls. `inverse_masses`: by node, 1/kg.
+/// About the longest time step, in s, with which active fibres of this level throw no node to and fro: they pull where
+/// nodes were at the start of a substep, so that light nodes of a fine mesh overshoot. Where h^2 k w <= 2, with w the
+/// inverse mass and k how the pull on a node at rest grows with its place (the sum of its row's sizes, after
+/// Gershgorin), half is left of what an oscillator bears. Infinite where nothing pulls. `inverse_masses`: by node,
+/// 1/kg.
 double longest_fibre_step_s(const EffectInput& input, const Parameters& parameters,
                             std::span<const double> inverse_masses);
 

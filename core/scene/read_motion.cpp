@@ -105,7 +105,7 @@ std::vector<ParameterSpec> motion_parameters() {
                               .maximum = most_degrees,
                               .help = help});
   };
-  return {angle("from_deg", "where the bones begin to turn"), angle("to_deg", "where they turn to"),
+  return {angle("from_deg", "where the bones begin to turn, or go to first"), angle("to_deg", "where they turn to"),
           parameter::choice(
               {.name = "course",
                .choices = course_words(),

@@ -228,6 +228,7 @@ void find_fibres_without_ends(CheckContext& context, Findings& findings) {
 void find_speed_of_jumps(CheckContext& context, Findings& findings) {
   const SceneEffect* fibres = find_named(context.scene, "fibre_force");
   if (fibres == nullptr || context.scene.loop.interpolate_poses) return;
+  if (std::ranges::none_of(context.scene.motions, &BoneMotion::turns)) return;
   if (fibres->parameters.number("level") == 0 || fibres->parameters.number("fastest_per_s") == 0) return;
   findings.push_back(
       {.kind = FindingKind::contradiction,

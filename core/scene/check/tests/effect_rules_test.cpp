@@ -124,9 +124,9 @@ TEST(EffectRules, FindAnActivationAfterTheEnd) {
 }
 
 TEST(EffectRules, FindFibresWhoseSpeedIsThatOfBonesThatJump) {
-  const auto jumps = [](const std::string& parameters, const std::string& motion) {
+  const auto jumps = [](const std::string& parameters, const std::string& motion, int to_deg = 1) {
     return is_found(check_scene_of("[loop]\nframes = 10\nbone_motion = \"" + motion + "\"\n" + bone_text("plate") +
-                                   bone_text("lid", turning(1)) + muscle_text("ball") +
+                                   bone_text("lid", turning(to_deg)) + muscle_text("ball") +
                                    "[effects.edge_length]\n[effects.fibre_force]\n" + parameters),
                     "speed_of_jumps", "loop.bone_motion");
   };
@@ -134,6 +134,7 @@ TEST(EffectRules, FindFibresWhoseSpeedIsThatOfBonesThatJump) {
   EXPECT_FALSE(jumps("", "interpolated"));
   EXPECT_FALSE(jumps("level = 0\n", "per_frame"));
   EXPECT_FALSE(jumps("fastest_per_s = 0\n", "per_frame"));
+  EXPECT_FALSE(jumps("", "per_frame", 0)) << "no bone turns";
 }
 
 /// Twice the level needs steps shorter by the square root of two.
