@@ -165,6 +165,8 @@ def _copy_pictures(text: str, page: Path, fresh: set[str], options) -> int:
 def publish(options) -> int:
     check(options)
     steps = [] if options.write_only else steps_of(options)
+    if missing := set(options.only or ()) - {step.kind for step in steps} if not options.write_only else None:
+        raise Problem(f"--only {', '.join(sorted(missing))}: measures real anatomy only; give its folder with --data")
     if options.dry_run:
         print_plan(steps, options)
         return 0

@@ -286,7 +286,7 @@ def test_fibres_that_shorten_make_the_muscle_bulge(run):
 
 
 def test_fibres_that_pull_keep_a_muscle_straight_while_its_ends_come_closer(run):
-    """Brought nearer by a fifth of its length: without them its axis folds up by half of its length a fifth shorter."""
+    """Brought nearer by a fifth of its length: without them its axis folds up."""
     taut = run("fibre_force", "--forces", frames=(60,))
     slack = run("fibre_force", "--no-effect", "fibre_force", frames=(60,))
     assert taut.record["status"] == "ok" and taut.outcome["max_volume_error"] < 0.05

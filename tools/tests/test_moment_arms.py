@@ -90,7 +90,7 @@ def forces(angles, torques, fibre_force, muscle="iliacus", untold=()):
     """forces.csv: in each frame an attachment and contact with the bone that turns, and a joint where contact is told."""
     rows = []
     for frame, (angle, torque) in enumerate(zip(angles, torques), start=1):
-        common = {"frame": frame, "angle_deg": angle, "muscle": muscle}
+        common = {"frame": frame, "angle_deg": angle, "muscle": muscle, "force_n": 1.0}
         rows.append(common | {"source": "attachment", "torque_n_m": torque - 0.1, "fibres_n": fibre_force, "active_n": 10,
                               "passive_n": -0.5})
         rows.append(common | {"source": "attachment", "fibres_n": fibre_force, "active_n": 10, "passive_n": -0.4})  # stands
@@ -106,6 +106,9 @@ def test_torque_over_force_stands_beside_the_slope_of_the_length():
     assert course.loc[2, "torque_mm"] == pytest.approx(-20) and course.loc[2, "others_percent"] == pytest.approx(5)
     assert course.loc[[0, 4], "torque_mm"].isna().all() and course.loc[6, "torque_mm"] == pytest.approx(-40)
     assert "torque_mm" not in course_of([run_with(band([0, 2, 4], [1, 2, 3]))])
+    pushed = pd.DataFrame([{"frame": 3, "angle_deg": 6, "muscle": "iliacus", "source": "muscle", "force_n": 0.1}])
+    course = course_of([replace(run, forces=pd.concat([run.forces, pushed]))]).set_index("angle_deg")
+    assert np.isnan(course.loc[6, "torque_mm"]) and course.loc[2, "torque_mm"] == pytest.approx(-20)
 
 
 def test_of_an_angle_that_is_passed_twice_the_later_counts():
@@ -165,7 +168,7 @@ def test_the_table_says_that_the_motion_was_squeezed(tmp_path):
     assert all("into 12 frames" in path.read_text() for path in files if path.suffix in (".md", ".tex"))
 
 
-def test_cases_go_from_rest_to_both_ends(tmp_path):
+def test_passive_muscles_go_from_rest_to_both_ends_and_active_ones_over_the_range(tmp_path):
     groups = {group.name: group for group in of_project("moment_arms").groups}
     assert list(groups) == ["active_course", "passive_flexion", "passive_extension"]
     assert [group.frames for group in groups.values()] == [(61,), (45,), (5,)]
@@ -176,7 +179,7 @@ def test_cases_go_from_rest_to_both_ends(tmp_path):
 
     active, passive = arguments("active_course"), arguments("passive_extension")
     assert "fibre_force:level=0.05,rise_s=0.0" in active and "settle_substeps=2000" in active and "--forces" in active
-    assert "course=rest_first" in active and "to_deg=90" in active and active[active.index("--snapshots") + 1] == "0,30,61"
+    assert {"course=rest_first", "from_deg=-16", "to_deg=90", "substeps=160", "time_step_s=0.000125"} <= set(active) and active[active.index("--snapshots") + 1] == "0,30,61"
     assert "to_deg=-10" in passive and "settle_substeps=100" in passive and "--effect" not in passive
     assert passive[passive.index("--fibres") + 1] == "100" and passive[passive.index("--snapshots") + 1] == "0"
 

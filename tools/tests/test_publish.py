@@ -328,10 +328,13 @@ def test_results_of_two_commits_are_refused(tmp_path):
 def test_the_plan_names_every_study_and_page(capsys, tmp_path):
     assert publish.main(["--dry-run"]) == 0
     text = capsys.readouterr().out
-    assert all(f"{kind}-synthetic:" in text for kind in measured_module.TABLES if kind != "moment-arms") and "README.md" in text
+    assert all(f"{kind}-synthetic:" in text for kind in set(measured_module.TABLES) - publish.REAL_ONLY) and "README.md" in text
     (tmp_path / "lhdl.json").write_text("{}")
     assert publish.main(["--dry-run", "--data", str(tmp_path), "--only", "moment-arms"]) == 0
     text = capsys.readouterr().out
+    assert publish.main(["--dry-run", "--only", "moment-arms"]) == 2 and "give its folder" in capsys.readouterr().err
+    with pytest.raises(Problem, match="arms-lhdl is no study"):
+        measured_module.adopt("arms-lhdl", tmp_path, tmp_path / "measured", "tools/arms")
     assert "moment-arms-lhdl: " in text and "moment_arms.py --musclebench" in text and "moment-arms-synthetic" not in text
 
 

@@ -9,6 +9,7 @@ from . import style
 from .style import muscle_label, plt
 
 OURS, TAUT, SAME_HIP, ELEMENTS, MEASURED = "#e8a37a", "#d55e00", "#0072b2", "#7f7f7f", "#000000"
+MOST_ERROR_MM = 5.0  # of a slope that is drawn: a muscle that bursts would scale its panel
 
 
 def draw_moment_arms(courses: dict[str, pd.DataFrame], active: dict[str, pd.DataFrame],
@@ -20,9 +21,10 @@ def draw_moment_arms(courses: dict[str, pd.DataFrame], active: dict[str, pd.Data
         axes.fill_between(course["angle_deg"], course["p10_mm"], course["p90_mm"], color=OURS, alpha=0.3, linewidth=0)
         axes.plot(course["angle_deg"], course["mean_mm"], color=OURS, label="here, passive: mean, 10th to 90th percentile")
         if muscle in active:
-            axes.plot(active[muscle]["angle_deg"], active[muscle]["mean_mm"], color=TAUT, label="here, active: mean dL/d(angle)")
-            if "torque_mm" in active[muscle]:
-                axes.plot(active[muscle]["angle_deg"], active[muscle]["torque_mm"], color=TAUT, linestyle=(0, (4, 1.5)),
+            taut = active[muscle][active[muscle]["error_mm"] < MOST_ERROR_MM]
+            axes.plot(taut["angle_deg"], taut["mean_mm"], color=TAUT, label="here, active: mean dL/d(angle)")
+            if "torque_mm" in taut:
+                axes.plot(taut["angle_deg"], taut["torque_mm"], color=TAUT, linestyle=(0, (4, 1.5)),
                           label="here, active: torque over fibre force")
         axes.axhline(0, color="0.7", linewidth=0.6, zorder=0)
         axes.set_title(muscle_label(muscle), loc="left")

@@ -15,24 +15,24 @@ GOAL_MM, GOAL_PERCENT = 5.0, 15.0
 BAND = ("min", "p10", "mean", "p90", "max")
 
 ARM_COLUMNS = [
-    Column("muscle", "muscle"), Column("angle_deg", "flexion deg", 0), Column("mean_mm", "mean mm", 1),
+    Column("muscle", "muscle"), Column("angle_deg", "flexion deg", 0), Column("mean_mm", "passive, dL/dθ mm", 1),
     Column("min_mm", "least mm", 1), Column("max_mm", "largest mm", 1), Column("error_mm", "error of the mean mm", 2),
     Column("published_mm", "same hip, mean mm", 1), Column("published_min_mm", "least mm", 1),
     Column("published_max_mm", "largest mm", 1), Column("difference_mm", "difference mm", 1),
     Column("difference_percent", "difference %", 0), Column("holds", "goal"),
-    Column("active_mm", "active, dL/dθ mm", 1), Column("torque_mm", "torque over fibre force mm", 1),
-    Column("others_percent", "force of other effects %", 0), Column("active_difference_mm", "difference mm", 1),
+    Column("active_mm", "active, dL/dθ mm", 1), Column("torque_mm", "active, torque over fibre force mm", 1),
+    Column("others_percent", "other effects along the pull, at the bone that turns %", 0), Column("active_difference_mm", "difference mm", 1),
     Column("active_holds", "goal, or why not"),
-    Column("lower_mm", "finite elements, lower mm", 1), Column("upper_mm", "upper mm", 1),
-    Column("measured_mm", "measured mm", 1),
+    Column("lower_mm", "finite elements, lower mm", 1), Column("upper_mm", "finite elements, upper mm", 1),
+    Column("measured_mm", "measured by others mm", 1),
 ]
 CAPTION = (
     "Moment arms r = dL / d(flexion) of the fibres of each muscle, positive where they grow longer in flexion, beside those of "
     "the same hip (Modenese and Kohout 2020), of finite elements of another subject (Blemker and Delp 2005, unscaled) and of "
     f"measurements. Goal: the mean within {GOAL_MM:g} mm or {GOAL_PERCENT:g} % of that of the same hip. A passive muscle falls slack where "
     "its ends come closer, as relaxed muscles do (Hoang et al. 2007, Herbert et al. 2015), and its fibres then keep their "
-    "length; published arms are those of taut lines. Active: the same with fibres that pull; they have drawn taut before the "
-    "joint turns. Beside their arm stands the joint's torque over their force: by virtual work the two are one where nothing but "
+    "length; published arms are those of taut lines. Active: the same with fibres that pull; they draw taut while the joint goes "
+    "to where its course begins. Beside their arm stands the joint's torque over their force: by virtual work the two are one where nothing but "
     "fibres bears force. Where they part by more than the goal, neither is compared with what is published."
 )
 NOTHING_PUBLISHED = (
@@ -71,17 +71,18 @@ def _by_angle(run: Run) -> pd.DataFrame:
 
 def _by_frame(run: Run) -> pd.DataFrame:
     """torque_mm: the torque of the muscle's attachments and contacts over the force of its fibres, in the sign of dL/dθ.
-    others_percent: what its other effects bear at the bone that turns, of what its fibres bear there. Frames whose contact does
-    not tell its bone are left out; empty where no fibres pull."""
+    others_percent: what its other effects add along the pull of its fibres at the bone that turns, or take away. Frames whose contact does
+    not tell its bone, and those in which another muscle pushes and so hands force on, are left out; empty where no fibres pull."""
     forces = run.forces
     if forces.empty or "fibres_n" not in forces or forces["fibres_n"].isna().all():
         return pd.DataFrame()
-    known = forces["frame"].isin(forces["frame"][forces["source"] == "joint"])
+    pushed = forces["frame"][(forces["source"] == "muscle") & (forces["force_n"] > 0)]
+    known = forces["frame"].isin(forces["frame"][forces["source"] == "joint"]) & ~forces["frame"].isin(pushed)
     turning = forces[known & (forces["muscle"] == run.fibres["muscle"].iloc[0]) & forces["torque_n_m"].notna()]
     attached = turning[turning["source"] == "attachment"].groupby("frame")
     force_n, active_n = attached["fibres_n"].first(), attached["active_n"].sum()
     return pd.DataFrame({"torque_mm": -1e3 * turning.groupby("frame")["torque_n_m"].sum() / force_n.where(force_n > 0),
-                         "others_percent": 100 * attached["passive_n"].sum().abs() / active_n.where(active_n > 0)})
+                         "others_percent": 100 * attached["passive_n"].agg(lambda of_one: of_one.abs().sum()) / active_n.where(active_n > 0)})
 
 
 def arm_table(passive: dict[str, pd.DataFrame], active: dict[str, pd.DataFrame],

@@ -83,7 +83,9 @@ def adopt(study: str, out_dir: Path, target: Path, command: str, publication: st
           other: Source | None = None) -> Source:
     """Takes the tables of a finished study over into `target`, with the source that its runs name. Raises Problem, and
     takes nothing over, where commit or machine are not those of `other`, a study of the same publication."""
-    kind = next(kind for kind in TABLES if study.startswith(f"{kind}-"))
+    kind = next((kind for kind in TABLES if study.startswith(f"{kind}-")), None)
+    if kind is None:
+        raise Problem(f"{study} is no study; there are {', '.join(TABLES)}, each with its data set")
     source = replace(source_of(out_dir, command), unit=_unit(out_dir / "study.csv"), publication=publication)
     if other is not None and (differing := _differing(source, other)):
         raise Problem(f"{study} was measured with another {differing} than {other.command}; remove {out_dir} and run "
