@@ -114,7 +114,7 @@ TEST(SurfaceFlow, LeavesOutOtherParts) {
   const std::size_t triangles = tube.mesh.triangles.size();
   tube.mesh.vertices.insert(tube.mesh.vertices.end(), {{5, 0, 0}, {6, 0, 0}, {5, 1, 0}, {9, 9, 9}});
   tube.mesh.triangles.push_back({vertices, vertices + 1, vertices + 2});
-  tube.ends.origin.push_back(vertices);
+  tube.ends.origin.push_back(vertices + 1);
   const std::vector<Vec3> flow = surface_flow(tube.mesh, tube.ends);
   ASSERT_EQ(flow.size(), triangles + 1);
   EXPECT_EQ(flow.back(), Vec3::Zero());
