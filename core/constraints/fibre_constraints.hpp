@@ -28,7 +28,7 @@ struct FibreLaw {
   double peak_stress_pa = 3e5;  ///< of fully active fibres at their optimal length; of the section at rest
   double optimal_stretch = 1;   ///< of fibres at their optimal length
   double passive_strain = 0.6;  ///< beyond the optimal length, at which passive fibres bear `peak_stress_pa`
-  double fastest_per_s = 10;    ///< optimal lengths a second at which active fibres bear nothing; 0: none
+  double fastest_per_s = 10;    ///< optimal lengths a second at which active fibres bear nothing; 0: no such speed
 
   // Parts of the peak stress, of fully active fibres.
   [[nodiscard]] double active_at(double stretch) const;

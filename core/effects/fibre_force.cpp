@@ -13,6 +13,7 @@
 #include "core/effects/fixed_nodes.hpp"
 #include "core/effects/surface_edges.hpp"
 #include "core/fibres/surface_flow.hpp"
+#include "core/mesh/body_mesh.hpp"
 #include "core/mesh/surface_volume.hpp"
 
 namespace musclebench {
@@ -25,17 +26,6 @@ struct Fibres {
   /// By body, the mean at rest without what bones carry; 0: it has no fibres.
   std::vector<double> free_lengths_m;
 };
-
-TriangleMesh mesh_of(const TriangleMesh& all, const Body& body) {
-  TriangleMesh mesh;
-  mesh.vertices.assign(all.vertices.begin() + body.first_node, all.vertices.begin() + body.last_node);
-  for (std::size_t t = body.first_triangle; t < body.last_triangle; ++t) {
-    Triangle triangle = all.triangles[t];
-    for (int& corner : triangle) corner -= body.first_node;
-    mesh.triangles.push_back(triangle);
-  }
-  return mesh;
-}
 
 void add_fibres(const EffectInput& input, std::size_t index, const FixedNodes& fixed, Fibres& fibres) {
   const Body& body = input.bodies[index];

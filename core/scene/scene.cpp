@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/mesh/body_mesh.hpp"
+
 namespace musclebench {
 
 double Scene::progress_at(double frame_position) const {
@@ -75,14 +77,7 @@ std::vector<Vec3> Scene::vertices_of(const Body& body) const {
   return {muscle_mesh.vertices.begin() + body.first_node, muscle_mesh.vertices.begin() + body.last_node};
 }
 
-TriangleMesh Scene::mesh_of(const Body& body) const {
-  TriangleMesh mesh{vertices_of(body), {}};
-  for (std::size_t t = body.first_triangle; t < body.last_triangle; ++t) {
-    const auto& [a, b, c] = muscle_mesh.triangles[t];
-    mesh.triangles.push_back({a - body.first_node, b - body.first_node, c - body.first_node});
-  }
-  return mesh;
-}
+TriangleMesh Scene::mesh_of(const Body& body) const { return musclebench::mesh_of(muscle_mesh, body); }
 
 std::string Scene::muscle_names() const {
   std::string names;
