@@ -191,34 +191,13 @@ void CoupledJudge::judge(const Simulation& simulation, const LastDetection& dete
   judge_misses(detection, record);
   record.stuck_nodes = count_stuck_nodes(detection, m_truth, positions, m_floor_m);
 
-  const auto poses = simulation.bone_poses();
-  m_referee.judge(poses, positions, simulation.free_nodes(), m_truth);
-  m_work += m_referee.last_effort().work;
-  record.depth = depth_statistics(m_truth);
-  m_contact_depths.add(m_truth, record.contacts);
-  if (const auto deepest = std::ranges::max_element(m_truth, {}, &Contact::depth_m); deepest != m_truth.end()) {
-    record.depth_bodies = {static_cast<int>(body_of(m_all_bodies, deepest->node)), deepest->bone};
-  }
-  record.tunnelled_nodes = m_tunnelling.update(m_referee, poses, positions, simulation.free_nodes(), m_truth);
-  m_work += m_tunnelling.last_work();
-
-  m_in_muscles.clear();
-  if (m_muscle_referee) {
-    m_muscle_referee->judge(positions, m_in_muscles);
-    m_work += m_muscle_referee->last_work();
-    record.in_muscles = depth_statistics(m_in_muscles);
-    if (const auto deepest = std::ranges::max_element(m_in_muscles, {}, &Contact::depth_m);
-        deepest != m_in_muscles.end()) {
-      record.in_muscles_bodies = {static_cast<int>(body_of(m_all_bodies, deepest->node)), deepest->bone};
-    }
-    record.passed_nodes = m_passing->update(*m_muscle_referee, positions);
-    m_work += m_passing->last_work();
-  }
-
+  judge_nodes(simulation, record);
   judge_bodies(simulation, m_truth, m_in_muscles, record);
+  m_contact_depths.add(m_truth, record.contacts);
 
   m_node_work = m_work;
 
+  const auto poses = simulation.bone_poses();
   const long least = m_budget / 8;
   // Bones' vertices come first: what a budget leaves open of them has the coarser bound.
   const DeepestBoneVertex vertex = m_bone_vertices.measure(poses, positions, std::max((m_budget - m_work) / 2, least));
@@ -243,6 +222,39 @@ void CoupledJudge::judge(const Simulation& simulation, const LastDetection& dete
   judge_crossings(simulation, crossings, record);
   record.edge_stretch = m_stretch.measure(positions);
   record.judged = true;
+}
+
+/// At the end of a frame; adds its work.
+void CoupledJudge::judge_nodes(const Simulation& simulation, StepRecord& record) {
+  const std::vector<Vec3>& positions = simulation.positions();
+  const auto poses = simulation.bone_poses();
+  m_referee.judge(poses, positions, simulation.free_nodes(), m_truth);
+  m_work += m_referee.last_effort().work;
+  record.depth = depth_statistics(m_truth);
+  if (const auto deepest = std::ranges::max_element(m_truth, {}, &Contact::depth_m); deepest != m_truth.end()) {
+    record.depth_bodies = {static_cast<int>(body_of(m_all_bodies, deepest->node)), deepest->bone};
+  }
+  record.tunnelled_nodes = m_tunnelling.update(m_referee, poses, positions, simulation.free_nodes(), m_truth);
+  m_work += m_tunnelling.last_work();
+
+  m_in_muscles.clear();
+  if (m_muscle_referee) {
+    m_muscle_referee->judge(positions, m_in_muscles);
+    m_work += m_muscle_referee->last_work();
+    record.in_muscles = depth_statistics(m_in_muscles);
+    if (const auto deepest = std::ranges::max_element(m_in_muscles, {}, &Contact::depth_m);
+        deepest != m_in_muscles.end()) {
+      record.in_muscles_bodies = {static_cast<int>(body_of(m_all_bodies, deepest->node)), deepest->bone};
+    }
+    record.passed_nodes = m_passing->update(*m_muscle_referee, positions);
+    m_work += m_passing->last_work();
+  }
+}
+
+void CoupledJudge::follow(const Simulation& simulation, StepRecord& record) {
+  const ScopedTimer timer(record.judging_ns);
+  m_work = 0;
+  judge_nodes(simulation, record);
 }
 
 /// `m_truth` is that of the detection.

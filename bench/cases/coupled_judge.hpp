@@ -69,6 +69,10 @@ class CoupledJudge {
   void judge(const Simulation& simulation, const LastDetection& detection, StepRecord& record,
              CrossingTest crossings = CrossingTest::where_budget_allows);
 
+  /// Only follows the nodes through a frame: fills in their depths and which passed through what. A tenth of the work
+  /// of `judge`; between two frames that are neither judged nor followed paths count as straight.
+  void follow(const Simulation& simulation, StepRecord& record);
+
   /// Of every node, m: > 0 inside a bone, its largest; 0 for free and bound nodes.
   [[nodiscard]] std::vector<double> depths(const Simulation& simulation);
 
@@ -97,6 +101,7 @@ class CoupledJudge {
  private:
   void judge_bodies(const Simulation& simulation, std::span<const Contact> in_bones,
                     std::span<const Contact> in_muscles, StepRecord& record);
+  void judge_nodes(const Simulation& simulation, StepRecord& record);
   void judge_misses(const LastDetection& detection, StepRecord& record) const;
   void judge_crossings(const Simulation& simulation, CrossingTest test, StepRecord& record);
   void judge_surfaces_in_muscles(const Simulation& simulation, StepRecord& record);

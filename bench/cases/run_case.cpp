@@ -18,6 +18,7 @@
 #include "core/measure/crossings.hpp"
 #include "core/measure/outcome_limits.hpp"
 #include "core/pbd/muscle_contact_stage.hpp"
+#include "core/scene/check/scene_check.hpp"
 #include "core/scene/prepare_simulation.hpp"
 
 namespace musclebench {
@@ -53,6 +54,11 @@ class CaseRunner {
       step(frame);
       if (m_result.status == "interrupted") break;
       report(frame);
+      if (m_result.status == "ok" && m_run.has_seen_enough &&
+          m_run.has_seen_enough(m_result.records.back(), m_result.rest)) {
+        m_result.status = "interrupted";
+        m_result.status_detail = fmt::format("in frame {} of {}, which showed enough", frame, m_scene.loop.frames);
+      }
       if (m_result.status == "ok" && frame < m_scene.loop.frames && is_stopped && is_stopped()) {
         m_result.status = "interrupted";
         m_result.status_detail = fmt::format("after frame {} of {}", frame, m_scene.loop.frames);
@@ -64,6 +70,7 @@ class CaseRunner {
     m_result.memory_after_bytes = memory_needed_bytes();
     m_result.memory_peak_bytes = peak_resident_memory_bytes();
     m_result.state_hash = hash_of(*m_simulation);
+    if (m_result.status == "ok") m_result.end_positions = m_simulation->positions();
     conclude();
     return std::move(m_result);
   }
@@ -93,7 +100,7 @@ class CaseRunner {
 
     PreparedSimulation prepared =
         prepare_simulation(m_run.scene, *m_backend, m_run.responses, m_run.threads, std::move(methods));
-    release_shared(m_scene);
+    if (!m_run.keeps_shared) release_shared(m_scene);
     m_simulation = std::move(prepared.simulation);
     note_pruned_bones(0);
     for (const auto& stage : m_simulation->stages()) {
@@ -103,6 +110,7 @@ class CaseRunner {
     m_result.effect_names = std::move(prepared.effect_names);
     m_result.stage_names = std::move(prepared.stage_names);
     m_result.rest = muscle_at_rest();
+    m_result.start_positions = m_simulation->positions();
     m_result.records.reserve(static_cast<std::size_t>(std::min(m_scene.loop.frames, 100000)));
     malloc_trim(0);  // what only the building needed shall not count as the structures' memory
     const std::size_t before_watching_bytes = resident_memory_bytes();
@@ -189,7 +197,9 @@ class CaseRunner {
     record.angle_deg = m_scene.angle_rad(frame) * degrees_per_radian;
     record.warm_up = frame <= m_run.warm_up_frames;
     const ContextSwitches before = context_switches();
-    record.times = m_simulation->step_frame(frame, m_judge ? &m_last_detection : nullptr);
+    const std::vector<int>& judged = m_run.judged_frames;
+    const bool is_judged = m_judge && (judged.empty() || std::ranges::binary_search(judged, frame));
+    record.times = m_simulation->step_frame(frame, is_judged ? &m_last_detection : nullptr);
     if (m_simulation->was_stopped()) {
       m_result.status = "interrupted";
       m_result.status_detail = fmt::format("in frame {} of {}, substep {} of {}", frame, m_scene.loop.frames,
@@ -212,10 +222,12 @@ class CaseRunner {
     if (!lost.empty()) {
       m_result.status = "diverged";
       m_result.status_detail = lost + moved_out_by(frame);
-    } else if (m_judge) {
+    } else if (is_judged) {
       m_judge->judge(*m_simulation, m_last_detection, record,
-                     is_looked_at(frame) ? CrossingTest::always : CrossingTest::where_budget_allows);
+                     is_looked_at(frame) || !judged.empty() ? CrossingTest::always : CrossingTest::where_budget_allows);
       note_crossings(record);
+    } else if (m_judge) {
+      m_judge->follow(*m_simulation, record);
     } else if (m_run.count_self_intersections && is_looked_at(frame)) {
       record.self_intersecting_triangles = count_self_crossings({positions, m_scene.muscle_mesh.triangles});
     }
@@ -335,6 +347,9 @@ class CaseRunner {
     const TriangleMesh& mesh = m_scene.muscle_mesh;
     MuscleAtRest rest;
     rest.volumes_m3 = volumes_m3(mesh.vertices);
+    for (std::size_t muscle = 0; muscle < m_scene.muscles.size(); ++muscle) {
+      rest.are_open.push_back(!is_closed_muscle(m_scene, muscle));
+    }
     rest.mean_edge_length_m = EdgeStretchMeter(mesh).mean_length_m();
     rest.free_nodes = static_cast<int>(m_simulation->free_nodes().size());
     rest.triangles = static_cast<int>(mesh.triangles.size());
@@ -371,10 +386,7 @@ class CaseRunner {
   }
 
   void note_slack_fibres() {
-    const bool is_activated = std::ranges::any_of(m_scene.effects, [](const SceneEffect& effect) {
-      return effect.name == "activation" || (effect.name == "fibre_force" && effect.parameters.number("level") > 0);
-    });
-    if (m_result.fibres.empty() || is_activated) return;
+    if (m_result.fibres.empty() || pulls_fibres(m_scene)) return;
     std::vector<std::string> names;
     for (const Muscle& muscle : m_scene.muscles) names.push_back(muscle.body.name);
     for (std::string& note : slack_notes(names, m_result.fibres)) m_result.notes.push_back(std::move(note));
@@ -431,6 +443,12 @@ class CaseRunner {
 };
 
 }  // namespace
+
+bool pulls_fibres(const Scene& scene) {
+  return std::ranges::any_of(scene.effects, [](const SceneEffect& effect) {
+    return effect.name == "activation" || (effect.name == "fibre_force" && effect.parameters.number("level") > 0);
+  });
+}
 
 RunResult run_case(const RunCase& run, const std::function<void(int)>& report,
                    const std::function<void(double)>& report_build, const std::function<bool()>& is_stopped) {

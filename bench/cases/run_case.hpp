@@ -16,8 +16,13 @@ namespace musclebench {
 
 /// One case and how its run is measured.
 struct RunCase : Case {
-  int warm_up_frames = 2;           ///< recorded and marked
-  bool judge = true;                ///< whether the Referee judges every frame
+  int warm_up_frames = 2;     ///< recorded and marked
+  bool judge = true;          ///< whether the Referee judges
+  bool keeps_shared = false;  ///< structures over bones (Bone::shared), for the next run of the scene
+  /// Frames that it judges, ascending; empty: all. In the others it only follows the nodes.
+  std::vector<int> judged_frames = {};
+  /// Asked after each frame. True ends the run, with status `interrupted`.
+  std::function<bool(const StepRecord& frame, const MuscleAtRest& rest)> has_seen_enough = {};
   std::vector<int> snapshots = {};  ///< frames (0: rest) whose shape is kept, ascending
   /// Without a judge, who counts them anyway: at rest, in the frames of `snapshots` and after the last frame.
   bool count_self_intersections = false;
@@ -49,7 +54,9 @@ struct RunResult {
   std::vector<std::string> stage_names;
   std::vector<StepRecord> records;
   std::vector<Snapshot> snapshots;
-  std::vector<FibreFrame> fibres;  ///< of rest and each frame, where the scene asks for them
+  std::vector<Vec3> start_positions;  ///< before the first frame
+  std::vector<Vec3> end_positions;    ///< after the last; empty where the run ended before
+  std::vector<FibreFrame> fibres;     ///< of rest and each frame, where the scene asks for them
   std::vector<FollowedFibres> followed_fibres;
   std::string fibres_refused;  ///< why there are none where they were asked for and could be left out
   std::size_t fibre_bytes = 0;
@@ -76,6 +83,9 @@ struct RunResult {
   /// Of a run that diverged: the collision steps of the last whole frames before, up to frames_kept_before_divergence.
   std::vector<RecordedStep> last_steps = {};
 };
+
+/// Whether an effect of the scene keeps its fibres under tension.
+bool pulls_fibres(const Scene& scene);
 
 /// Runs the case. `report` is called after each frame, `report_build` now and then before the first. A run that blows
 /// up ends with status `diverged` in the substep that loses a node; one that `is_stopped` stops, asked in each substep,

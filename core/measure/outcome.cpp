@@ -161,6 +161,7 @@ Outcome outcome_of(std::span<const StepRecord> records, const MuscleAtRest& rest
   }
   add_crossings_at_rest(rest, outcome);
   for (std::size_t muscle = 0; muscle < rest.volumes_m3.size(); ++muscle) {
+    if (muscle < rest.are_open.size() && rest.are_open[muscle]) continue;
     add_volumes(records, rest, muscle, outcome);
   }
   return outcome;

@@ -14,9 +14,10 @@ namespace musclebench {
 
 /// What a run's figures are compared with, and what words about them name.
 struct MuscleAtRest {
-  std::vector<double> volumes_m3;  ///< of each muscle, of either sign
-  double pressure = 1;             ///< target volume over that at rest, see the effect `volume`
-  double mean_edge_length_m = 0;   ///< 0: unknown
+  std::vector<double> volumes_m3;   ///< of each muscle, of either sign
+  std::vector<bool> are_open = {};  ///< by muscle: its surface encloses no volume; empty: none is
+  double pressure = 1;              ///< target volume over that at rest, see the effect `volume`
+  double mean_edge_length_m = 0;    ///< 0: unknown
   int free_nodes = 0;
   int triangles = 0;
   std::vector<CrossingPair> crossing_pairs;  ///< whose crossings are judged; none where nobody judges

@@ -78,6 +78,15 @@ TEST(Outcome, TheVolumeErrorIsAgainstTheTarget) {
   EXPECT_EQ(outcome_of(with_volumes({2.25, 2, 2}), at_rest(2)).max_volume_error, 0.125);
 }
 
+TEST(Outcome, AnOpenSurfaceHasNoVolumeThatCouldBeOff) {
+  MuscleAtRest rest = at_rest(2);
+  rest.are_open = {true};
+  const Outcome outcome = outcome_of(with_volumes({2, -2, 9}), rest);
+  EXPECT_FALSE(outcome.max_volume_error || outcome.final_volume_error || outcome.turned_inside_out);
+  rest.are_open = {false};
+  EXPECT_EQ(outcome_of(with_volumes({2, 9}), rest).max_volume_error, 3.5);
+}
+
 TEST(Outcome, TurnedInsideOut) {
   const Outcome outcome = outcome_of(with_volumes({2, -2, 2}), at_rest(2));
   EXPECT_EQ(outcome.turned_inside_out, true);
