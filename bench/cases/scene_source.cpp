@@ -97,6 +97,7 @@ SceneRequest request_of(const SceneChoice& choice) {
   request.effect_overrides = choice.effect_overrides;
   request.motion_overrides = choice.motion_overrides;
   request.mesh_overrides = choice.mesh_overrides;
+  request.wanted_overrides = choice.wanted_overrides;
   request.fibres = choice.fibres;
   request.notes_obstacles = choice.notes_obstacles;
   request.auto_effects = choice.auto_effects;
@@ -120,7 +121,7 @@ SceneRequest request_of(const SceneChoice& choice) {
 Scene load_scene(const SceneChoice& choice) {
   const SceneRequest request = request_of(choice);
   Scene scene = read_scene(request);
-  if (scene.auto_effects.wanted) {
+  if (scene.auto_effects.wanted && !scene.wanted.is_given) {
     add_advised_effects(scene, choice.check_report);
     scene.auto_effects.resolved_text = resolved_scene_text(request, scene);
   }

@@ -21,13 +21,15 @@ struct SceneChoice {
   std::vector<EffectOverride> effect_overrides = {};
   std::map<std::string, ParameterValue> motion_overrides = {};
   std::map<std::string, ParameterValue> mesh_overrides = {};
+  std::map<std::string, ParameterValue> wanted_overrides = {};
   std::optional<FibreRequest> fibres = {};                     ///< over the scene's
   bool notes_obstacles = false;                                ///< see SceneRequest
   bool auto_effects = false;                                   ///< as if the scene said `effects = "auto"`
   std::function<void(int done, int total)> check_report = {};  ///< of the check that such a scene asks for
 };
 
-/// Reads the scene. Throws InputError; an unknown name is answered with the list of embedded scenes.
+/// Reads the scene. One that asks for effects and says what it wants still lacks those that a search would add.
+/// Throws InputError; an unknown name is answered with the list of embedded scenes.
 Scene load_scene(const SceneChoice& choice);
 
 /// `scene`, which was loaded from `choice`, as a file that names loop, effects and pairs in full (resolved_scene_text).

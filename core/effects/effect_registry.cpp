@@ -19,21 +19,45 @@
 
 namespace musclebench {
 
+namespace {
+
+/// Of soft tissue: derived in the preset `standard`.
+std::map<std::string, ParameterValue> tissue_bending() { return {{"stiffness", 1.0}, {"compliance_rad_per_n_m", 1e4}}; }
+
+}  // namespace
+
 const std::vector<EffectEntry>& effect_registry() {
   static const std::vector<EffectEntry> entries = {
       // Before gravity, or a body at rest would weigh less by what is damped of a substep's fall.
       {"damping", "velocities decay", damping_parameters(), make_damping},
       {"gravity", "constant acceleration of all free nodes", gravity_parameters(), make_gravity},
       {"attachment", "bound nodes move with their bone", attachment_parameters(), make_attachment},
-      {"edge_length", "edges keep their rest length, softer along the fibres", edge_length_parameters(),
-       make_edge_length},
+      {.name = "edge_length",
+       .help = "edges keep their rest length, softer along the fibres",
+       .parameters = edge_length_parameters(),
+       .make = make_edge_length,
+       .remedies = {{Requirement::whole_surface}}},
       {"activation", "fibres shorten by a course over time", activation_parameters(), make_activation},
-      {"fibre_force", "fibres pull: active, passive and by speed (Hill), and push never", fibre_force_parameters(),
-       make_fibre_force},
-      {"volume", "the closed surface keeps its volume", volume_parameters(), make_volume},
-      {"local_volume", "each of several regions along the muscle keeps its volume", local_volume_parameters(),
-       make_local_volume},
-      {"bending", "neighbouring triangles keep their dihedral angle (local shape)", bending_parameters(), make_bending},
+      {.name = "fibre_force",
+       .help = "fibres pull: active, passive and by speed (Hill), and push never",
+       .parameters = fibre_force_parameters(),
+       .make = make_fibre_force,
+       .remedies = {{Requirement::taut_fibres, {{"level", 0.05}}}}},  // as reports/moment_arms.md measures with
+      {.name = "volume",
+       .help = "the closed surface keeps its volume",
+       .parameters = volume_parameters(),
+       .make = make_volume,
+       .remedies = {{Requirement::volume}}},
+      {.name = "local_volume",
+       .help = "each of several regions along the muscle keeps its volume",
+       .parameters = local_volume_parameters(),
+       .make = make_local_volume,
+       .remedies = {{Requirement::volume}}},
+      {.name = "bending",
+       .help = "neighbouring triangles keep their dihedral angle (local shape)",
+       .parameters = bending_parameters(),
+       .make = make_bending,
+       .remedies = {{Requirement::self_passage, tissue_bending()}, {Requirement::returned_shape, tissue_bending()}}},
       {.name = "margin",
        .help = "a skin on the bones; nodes stay out of it, and faces with `surface_contact`",
        .parameters = margin_parameters(),
@@ -49,7 +73,8 @@ const std::vector<EffectEntry>& effect_registry() {
        .make = nullptr,
        .set_response = set_multi_bone,
        .needs_normals = true,
-       .needs_projection = true},
+       .needs_projection = true,
+       .remedies = {{Requirement::bone_depth}}},
       {.name = "friction",
        .help = "Coulomb friction: what touches a bone, a muscle or itself slides only as far as the push allows",
        .parameters = friction_parameters(),
@@ -61,22 +86,30 @@ const std::vector<EffectEntry>& effect_registry() {
        .help = "a muscle does not fold through itself",
        .parameters = self_contact_parameters(),
        .make = nullptr,
-       .make_stage = make_self_contact},
+       .make_stage = make_self_contact,
+       .remedies = {{Requirement::self_passage}}},
       {.name = "surface_contact",
        .help = "faces and edges of a muscle stay out of bones, not only its nodes",
        .parameters = surface_contact_parameters(),
        .make = nullptr,
-       .make_stage = make_surface_contact},
+       .make_stage = make_surface_contact,
+       .remedies = {{Requirement::bone_depth}, {Requirement::bone_passage}}},
       {.name = "tunnelling_guard",
        .help = "no node ends a step on the far side of a bone",
        .parameters = tunnelling_guard_parameters(),
        .make = nullptr,
-       .make_stage = make_tunnelling_guard},
+       .make_stage = make_tunnelling_guard,
+       .remedies = {{Requirement::bone_passage}, {Requirement::bone_depth}}},
       {.name = "no_passage",
        .help = "no node, edge or face passes through a bone, another muscle or its own muscle",
        .parameters = no_passage_parameters(),
        .make = nullptr,
-       .make_stage = make_no_passage},
+       .make_stage = make_no_passage,
+       .remedies = {{Requirement::bone_passage},
+                    {Requirement::muscle_passage},
+                    {Requirement::self_passage},
+                    {Requirement::bone_depth},
+                    {Requirement::muscle_depth}}},
   };
   return entries;
 }

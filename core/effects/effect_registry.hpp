@@ -12,6 +12,7 @@
 #include "core/contact/contact_properties.hpp"
 #include "core/contact/response.hpp"
 #include "core/contact/surface_queries.hpp"
+#include "core/effects/requirement.hpp"
 #include "core/fibres/end_nodes.hpp"
 #include "core/fibres/fibre_segments.hpp"
 #include "core/mesh/body.hpp"
@@ -63,6 +64,9 @@ struct EffectEntry {
   std::function<void(ContactProperties&, const Parameters&)> set_contacts = {};
   bool needs_normals = false;     ///< of contacts with bones
   bool needs_projection = false;  ///< the response that moves nodes by their depths
+  /// What it helps a run to hold. None: it is a part of what a scene asks about, such as a load, and nobody adds it for
+  /// the scene.
+  std::vector<Remedy> remedies = {};
 };
 
 /// All effects, in the order in which a solver iteration applies them; contact stages come last.

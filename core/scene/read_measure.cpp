@@ -19,6 +19,8 @@ namespace {
 /// The slope of a length over an angle takes three.
 constexpr int least_frames = 3;
 constexpr double most_fibres = 100'000;
+/// Where a scene wants moment arms and does not say of how many.
+constexpr int fibres_for_arms = 100;
 
 void require_one_axis(const Scene& scene, const std::string& location) {
   std::vector<std::string> turning;
@@ -77,8 +79,12 @@ void read_measure(const SceneRequest& request, const std::optional<TomlTable>& t
     scene.fibre_count = request.fibres->count;
     scene.fibres_are_required = request.fibres->is_required;
   }
+  std::string location = request.fibres ? request.fibres->option : table ? table->location("fibres") : "";
+  if (scene.fibre_count == 0 && scene.wanted.moment_arm_m) {
+    scene.fibre_count = fibres_for_arms;
+    location = "wanted.moment_arm_mm";
+  }
   if (scene.fibre_count == 0) return;
-  const std::string location = request.fibres ? request.fibres->option : table->location("fibres");
   for (const auto& require : {require_one_axis, require_frames, require_two_areas}) {
     try {
       require(scene, location);

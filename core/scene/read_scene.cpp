@@ -366,6 +366,13 @@ void read_time_step_changes(const TomlTable& root, LoopParameters& loop) {
   }
 }
 
+void read_wanted(const SceneRequest& request, const std::optional<TomlTable>& own, Scene& scene) {
+  scene.wanted = wanted_from(with_overrides(wanted_parameters(), checked(wanted_parameters(), std::nullopt, own),
+                                            request.wanted_overrides, "--wanted"));
+  scene.wanted.is_given = own || !request.wanted_overrides.empty();
+  scene.wanted.asks_for_return = (own && own->has("returns_mm")) || request.wanted_overrides.contains("returns_mm");
+}
+
 void require_motion(const SceneRequest& request, const std::optional<TomlTable>& own, const LoopParameters& loop) {
   if (loop.rest_frames < loop.frames) return;
   const bool is_in_file = own && own->has("rest_frames") && !request.loop_overrides.contains("rest_frames");
@@ -380,7 +387,7 @@ Scene read_scene(const SceneRequest& request) {
   const toml::table text = parse_scene(request);
   const TomlTable root(text, request.file, "");
   root.allow_only({"title", "preset", "bone", "muscle", "pair", "attachment", "contact", "effects", "loop", "measure",
-                   "meshes", "time_step_change"});
+                   "meshes", "time_step_change", "wanted"});
 
   Scene scene;
   scene.name = request.name;
@@ -407,6 +414,7 @@ Scene read_scene(const SceneRequest& request) {
                      request.mesh_overrides, "--meshes");
   scene.mesh_splits = {.split_muscles = static_cast<int>(meshes.integer("split_muscles")),
                        .smooth_bones = static_cast<int>(meshes.integer("smooth_bones"))};
+  read_wanted(request, root.table("wanted"), scene);
   read_time_step_changes(root, scene.loop);
   require_motion(request, root.table("loop"), scene.loop);
   const auto contact = root.table("contact");

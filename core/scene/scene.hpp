@@ -19,6 +19,7 @@
 #include "core/scene/bone_motion.hpp"
 #include "core/scene/mesh_placement.hpp"
 #include "core/scene/scene_warning.hpp"
+#include "core/scene/wanted.hpp"
 
 namespace musclebench {
 
@@ -99,14 +100,15 @@ struct EffectExclusion {
   bool is_of_preset = false;  ///< the preset has the effect
 };
 
-/// An effect, or contact between two muscles, that the checker added to a scene.
+/// An effect, or contact between two muscles, that the checker or a search added to a scene.
 struct AddedEffect {
   std::string effect;  ///< name in the registry, or "muscle_contact a b"
-  std::string rule;    ///< the rule that asked for it
-  std::string reason;  ///< text of the finding, with its figures
+  std::string rule;    ///< the rule that asked for it, or "trial"
+  std::string reason;  ///< text of the finding, or what runs showed, with figures
 };
 
-/// The setting `effects = "auto"`: the checker adds effects to those that the scene names.
+/// The setting `effects = "auto"`: the checker adds effects to those that the scene names or, where the scene says what
+/// it wants, a search by trial runs does.
 struct AutoEffects {
   bool wanted = false;
   bool keeps_out_muscle_contact = false;  ///< the scene says `muscle_contact = false`
@@ -133,6 +135,7 @@ struct Scene {
   std::vector<SceneEffect> effects;  ///< the effects of the scene, in the order of the registry
   std::vector<EffectExclusion> exclusions;
   AutoEffects auto_effects;
+  Wanted wanted;  ///< by a search for effects
   LoopParameters loop;
   MeshSplits mesh_splits;                         ///< that the meshes have already
   std::optional<ResponseKind> response;           ///< none: the default of the backend

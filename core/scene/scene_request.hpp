@@ -44,6 +44,7 @@ struct SceneRequest {
   std::vector<EffectOverride> effect_overrides;                 ///< changes to effects, from the command line
   std::map<std::string, ParameterValue> motion_overrides = {};  ///< values for the motions of all moving bones
   std::map<std::string, ParameterValue> mesh_overrides = {};    ///< values for `[meshes]`
+  std::map<std::string, ParameterValue> wanted_overrides = {};  ///< values for `[wanted]`
   std::optional<FibreRequest> fibres = {};                      ///< replaces `[measure] fibres`
   bool auto_effects = false;                                    ///< reads the scene as with `effects = "auto"`
   /// Continue if something prevents a run but not a look at the scene. `Scene::obstacles` then names it.

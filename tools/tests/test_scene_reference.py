@@ -12,7 +12,9 @@ def keys_of_the_reader() -> set[str]:
     text = "".join(file.read_text() for file in READERS)
     lists = re.findall(r"(?:allow_only\(|body_keys\(|placement_keys = )\{(.*?)\}", text, re.S)
     meshes = re.search(r"mesh_parameters\(\) \{(.*?)\n\}", (PROJECT / "core/scene/scene.cpp").read_text(), re.S)
-    return {key for found in lists for key in re.findall(r'"(\w+)"', found)} | set(re.findall(r'\.name = "(\w+)"', meshes.group(1)))
+    wanted = re.search(r"wanted_parameters\(\) \{(.*?)\n\}", (PROJECT / "core/scene/wanted.cpp").read_text(), re.S)
+    return ({key for found in lists for key in re.findall(r'"(\w+)"', found)} | set(re.findall(r'\.name = "(\w+)"', meshes.group(1)))
+            | set(re.findall(r'(?:length_mm\(|\.name = )"(\w+)"', wanted.group(1))))
 
 
 def keys_of_the_page() -> set[str]:

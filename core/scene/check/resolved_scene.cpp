@@ -161,7 +161,7 @@ std::string resolved_scene_text(const SceneRequest& request, const Scene& scene)
     text << fmt::format("{} = {}\n", key, toml_text_of(value));
   if (scene.fibre_count > 0) text << fmt::format("\n[measure]\nfibres = {}\n", scene.fibre_count);
   for (const SceneEffect& effect : scene.effects) text << effect_text(scene, effect);
-  for (const char* key : {"time_step_change", "contact", "bone", "muscle", "attachment", "pair"})
+  for (const char* key : {"wanted", "time_step_change", "contact", "bone", "muscle", "attachment", "pair"})
     text << tables_text(root, key);
   text << pair_texts(scene);
   return text.str();

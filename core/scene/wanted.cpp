@@ -1,0 +1,52 @@
+#include "core/scene/wanted.hpp"
+
+namespace musclebench {
+
+namespace {
+
+constexpr double mm_per_m = 1e3;
+constexpr double longest_mm = 1e6;
+
+ParameterSpec length_mm(const char* name, double default_mm, double least_mm, const char* help) {
+  return parameter::number({.name = name,
+                            .unit = "mm",
+                            .default_value = default_mm,
+                            .minimum = least_mm,
+                            .maximum = longest_mm,
+                            .help = help});
+}
+
+}  // namespace
+
+std::vector<ParameterSpec> wanted_parameters() {
+  const Wanted usual;
+  return {length_mm("surface_mm", mm_per_m * usual.surface_m, 1e-6,
+                    "how deep a point of a muscle may be in a bone or in another muscle"),
+          parameter::number({.name = "volume_percent",
+                             .unit = "%",
+                             .default_value = 100 * usual.volume_share,
+                             .minimum = 1e-9,
+                             .maximum = 1e6,
+                             .help = "how far a muscle's volume may be off its target"}),
+          parameter::flag({.name = "nothing_passes",
+                           .default_value = usual.nothing_passes,
+                           .help = "no triangle passes through its own muscle or another one; false: one of a hundred "
+                                   "may"}),
+          length_mm("returns_mm", mm_per_m * usual.returned_m, 1e-6,
+                    "RMS distance from the start that a muscle may have once its bones are back; if given, also where "
+                    "no bone moves"),
+          length_mm("moment_arm_mm", 0, 0,
+                    "how far a moment arm may be off, which takes fibres under tension; 0: arms are not wanted")};
+}
+
+Wanted wanted_from(const Parameters& parameters) {
+  Wanted wanted;
+  wanted.surface_m = parameters.number("surface_mm") / mm_per_m;
+  wanted.volume_share = parameters.number("volume_percent") / 100;
+  wanted.nothing_passes = parameters.flag("nothing_passes");
+  wanted.returned_m = parameters.number("returns_mm") / mm_per_m;
+  if (const double arm_mm = parameters.number("moment_arm_mm"); arm_mm > 0) wanted.moment_arm_m = arm_mm / mm_per_m;
+  return wanted;
+}
+
+}  // namespace musclebench
