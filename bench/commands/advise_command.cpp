@@ -13,6 +13,7 @@
 #include "bench/cases/safe_steps.hpp"
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
+#include "bench/commands/effect_trials.hpp"
 #include "bench/process/exit_code.hpp"
 #include "bench/process/progress.hpp"
 #include "bench/results/advice_json.hpp"
@@ -314,7 +315,8 @@ int advise(const AdviseOptions& options) {
   const AdviceRequest request{options.wanted_mm() * 1e-3, options.seconds, advise_plans()};
   SceneOptions named = options.scene;
   if (options.asks_for_arms()) named.choice.fibres = {followed_fibres, "--moment-arm-mm"};
-  const Scene scene = load_scene(named);
+  Scene scene = load_scene(named);
+  add_wanted_effects(choice_of(named), scene);
   require_a_choice(scene);
   return options.asks_for_arms() ? advise_on_arms(scene, options, request, start_ns)
                                  : advise_on_depth(scene, options, request, start_ns);

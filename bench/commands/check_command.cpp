@@ -9,9 +9,12 @@
 #include "bench/cases/safe_steps.hpp"
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
+#include "bench/commands/effect_options.hpp"
+#include "bench/commands/effect_trials.hpp"
 #include "bench/process/progress.hpp"
 #include "bench/results/findings_json.hpp"
 #include "core/base/input_error.hpp"
+#include "core/base/output_file.hpp"
 #include "core/mesh_files/read_mesh.hpp"
 #include "core/mesh_repair/check_mesh.hpp"
 #include "core/scene/check/effect_reach.hpp"
@@ -63,8 +66,12 @@ void print_muscle(const Scene& scene, const Muscle& muscle) {
 struct CheckRequest {
   SceneChoice scene;
   BackendOptions backend;
+  EffectOptions effects;
+  std::vector<std::string> wanted;
   std::string safe_steps;
   bool json = false;
+  bool trial = false;
+  std::string out;  ///< file for the scene with what the trial added
 };
 
 /// Among the obstacles: a backend that the scene names and that this build has not or that can't do what it is named
@@ -141,14 +148,34 @@ void print_verdict(const Scene& scene, const std::vector<SceneWarning>& warnings
   for (const Finding& finding : findings) {
     fmt::print("{}\n", text_of(finding));
   }
+  if (scene.auto_effects.wanted && scene.wanted.is_given) {
+    fmt::print("a run looks for effects that hold what is wanted; --trial shows which\n");
+  }
   if (warnings.empty() && findings.empty() && scene.obstacles.empty()) {
     fmt::print("no warnings\n");
   }
 }
 
+/// Runs the scene with the effects that it names and others, and adds those that it takes.
+EffectChoice try_scene(const CheckRequest& request, const SceneChoice& choice, Scene& scene) {
+  EffectChoice chosen = choose_effects_with_progress(scene, {.looks_for_needless = true});
+  if (!request.out.empty()) {
+    OutputFile file(request.out);
+    file.stream() << resolved_scene(choice, scene);
+    file.close();
+  }
+  return chosen;
+}
+
 /// Whether the scene can be run.
 bool check_scene_of(const CheckRequest& request) {
-  Scene scene = load_scene(request.scene);
+  if (!request.trial && (!request.out.empty() || !request.wanted.empty())) {
+    throw InputError(request.out.empty() ? "--wanted" : "--out", "is of a trial: add --trial");
+  }
+  SceneChoice choice = request.scene;
+  choice.effect_overrides = effect_overrides(request.effects);
+  choice.wanted_overrides = wanted_overrides(request.wanted);
+  Scene scene = load_scene(choice);
   std::vector<SceneWarning> warnings = scene_warnings(scene);
   Findings findings;
   {
@@ -159,8 +186,12 @@ bool check_scene_of(const CheckRequest& request) {
     const Findings beyond = safe_step_findings(read_safe_steps(request.safe_steps), scene, request.backend.backend);
     findings.insert(findings.end(), beyond.begin(), beyond.end());
   }
+  std::optional<EffectChoice> tried;
+  if (request.trial && scene.obstacles.empty()) tried = try_scene(request, choice, scene);
   if (request.json) {
-    fmt::print("{}\n", text_of(json_of_check(scene, warnings, findings), 2));
+    Json json = json_of_check(scene, warnings, findings);
+    if (tried) json["trial"] = json_of(*tried);
+    fmt::print("{}\n", text_of(json, 2));
     return scene.obstacles.empty();
   }
   fmt::print("scene {}: {} (preset {})\n", scene.name, scene.title, scene.preset.empty() ? "none" : scene.preset);
@@ -170,16 +201,20 @@ bool check_scene_of(const CheckRequest& request) {
   for (const EffectReach& reach : effect_reaches(scene)) {
     fmt::print("effect {} acts on: {}\n", reach.effect, reach.text());
   }
+  if (tried) {
+    for (const std::string& line : lines_of(scene, *tried)) fmt::print("{}\n", line);
+    return true;
+  }
   print_verdict(scene, warnings, findings);
   return scene.obstacles.empty();
 }
 
 /// Of a mesh there is its report only.
 void check_mesh_of(const CheckRequest& request) {
-  if (request.json || !request.backend.backend.empty() || !request.scene.preset.empty() ||
+  if (request.json || request.trial || !request.backend.backend.empty() || !request.scene.preset.empty() ||
       !request.safe_steps.empty()) {
     throw InputError(request.scene.scene,
-                     "is a mesh; --json, --preset, --backend and --safe-step are for scenes; leave them out");
+                     "is a mesh; --json, --trial, --preset, --backend and --safe-step are for scenes; leave them out");
   }
   const TriangleMesh mesh = read_mesh(request.scene.scene);
   print_report(request.scene.scene, mesh);
@@ -202,6 +237,7 @@ void add_check_command(CLI::App& app, int& exit_code) {
       "check", "Check a mesh or a scene: report defects of meshes, missing effects, and effects that cannot act");
   command->footer(
       "Example: musclebench check synthetic/iliacus --backend sdf --param cells=128\n"
+      "Example: musclebench check my_knee.toml --trial --wanted surface_mm=0.1 --out my_knee_tried.toml\n"
       "Each finding has a reason and, where one is known, the lines to add to the scene.\n"
       "Exit codes: 0 the scene can run, 2 it cannot.");
   command->add_option("target", request->scene.scene, "Mesh file (PLY, OBJ, STL, OFF, ...), scene name or .toml file")
@@ -215,6 +251,12 @@ void add_check_command(CLI::App& app, int& exit_code) {
           "Also check that this backend serves the effects and that its cells are finer than gaps between bones");
   command->add_option("--safe-step", request->safe_steps,
                       "File safe_step.json of tools/safe-step: compare the scene's step with the largest safe step");
+  add_effect_options(*command, request->effects);
+  command->add_flag("--trial", request->trial,
+                    "Run the scene, judge it, and find the effects that it takes to hold what it wants; and those of "
+                    "its own that change nothing");
+  add_wanted_option(*command, request->wanted);
+  command->add_option("--out", request->out, "With --trial: file for the scene with what was added (default: none)");
   command->add_flag("--json", request->json, "Print warnings and findings as JSON");
   command->callback([request, &exit_code] {
     request->scene.notes_obstacles = true;

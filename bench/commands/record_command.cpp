@@ -8,6 +8,7 @@
 #include "bench/cases/record_case.hpp"
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
+#include "bench/commands/effect_trials.hpp"
 #include "bench/commands/recording_header_of.hpp"
 #include "bench/process/progress.hpp"
 #include "bench/process/signals.hpp"
@@ -47,6 +48,7 @@ int record(const RecordOptions& options) {
       options.backend.backend.empty() ? exact_backend() : find_backend(options.backend.backend);
   const Parameters parameters = backend_parameters(backend, options.backend.parameters);
   const Scene scene = load_scene(options.scene);
+  require_named_effects(scene, "a recording");
   const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
   const std::vector<ResponseKind> responses =
       choose_responses(options.backend.response, scene, backend, parameters, colliders);

@@ -11,6 +11,7 @@
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
 #include "bench/commands/effect_options.hpp"
+#include "bench/commands/effect_trials.hpp"
 #include "bench/commands/recording_header_of.hpp"
 #include "bench/process/progress.hpp"
 #include "bench/process/signals.hpp"
@@ -31,6 +32,7 @@ constexpr int build_steps = 1000;
 struct RunOptions {
   SceneOptions scene;
   EffectOptions effects;
+  std::vector<std::string> wanted;
   BackendOptions backend;
   std::string out;
   int repetition = 0;
@@ -81,6 +83,17 @@ bool write_last_steps(const std::filesystem::path& file, const RunCase& run, con
   return true;
 }
 
+/// What the scene wants and the judge of all frames did not find.
+void note_unmet_wants(const RunCase& run, RunResult& result) {
+  const bool is_over = result.status == "ok" || result.status == "suspect";
+  if (!run.scene.wanted.is_given || !run.judge || !is_over) return;
+  for (const RequiredFigure& figure : figures_of_run(run.scene, result)) {
+    if (figure.holds() || figure.requirement == Requirement::trusted_run) continue;
+    result.status = "suspect";
+    result.status_detail += (result.status_detail.empty() ? "" : "; ") + figure.text();
+  }
+}
+
 RunResult run_and_write(const RunCase& run, const RunOptions& options, const std::string& out) {
   std::optional<EndAtOnce> until_written(std::in_place);
   RunResult result;
@@ -101,6 +114,7 @@ RunResult run_and_write(const RunCase& run, const RunOptions& options, const std
         [&](double share) { building->show(static_cast<int>(share * build_steps)); },
         [&] { return until_written->is_stopped(); });
   }
+  note_unmet_wants(run, result);
   const HeldSignals held;
   write_run(out, run, result);
   if (write_last_steps(std::filesystem::path(out) / before_divergence, run, options, result)) {
@@ -166,7 +180,12 @@ int run(RunOptions options) {
   if (options.fibres_if_possible >= 0) {
     options.scene.choice.fibres = {options.fibres_if_possible, "--fibres-if-possible", false};
   }
+  options.scene.choice.wanted_overrides = wanted_overrides(options.wanted);
   Scene scene = load_scene(options.scene);
+  if (!options.wanted.empty() && !scene.auto_effects.wanted) {
+    throw InputError("--wanted", "is for scenes whose effects are chosen: add --effects auto");
+  }
+  add_wanted_effects(choice_of(options.scene), scene);
   std::sort(options.snapshots.begin(), options.snapshots.end());
   const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
   const std::vector<ResponseKind> responses =
@@ -238,8 +257,10 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command
       ->add_option_function<std::string>(
           "--effects", [options](const std::string& /*auto*/) { options->scene.choice.auto_effects = true; },
-          "auto: also add the effects that `musclebench check` finds missing")
+          "auto: also add the effects that the scene lacks: those that `musclebench check` finds missing or, with "
+          "[wanted] or --wanted, those that trial runs show it takes")
       ->check(CLI::IsMember({"auto"}));
+  add_wanted_option(*command, options->wanted);
   command->add_option("--out", options->out, "Result folder (default: reports/out/runs/raw/<run id>)");
   command
       ->add_option("--repetition", options->repetition, "Number of this repetition, a part of the run id (default: 0)")

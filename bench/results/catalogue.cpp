@@ -134,7 +134,12 @@ Json catalogue() {
   }
   Json effects = Json::array();
   for (const EffectEntry& effect : effect_registry()) {
-    effects.push_back({{"name", effect.name}, {"help", effect.help}, {"parameters", json_of(effect.parameters)}});
+    Json remedies = Json::array();
+    for (const Remedy& remedy : effect.remedies) remedies.push_back(name_of(remedy.requirement));
+    effects.push_back({{"name", effect.name},
+                       {"help", effect.help},
+                       {"parameters", json_of(effect.parameters)},
+                       {"remedies", remedies}});
   }
   const BuildInfo build = build_info();
   return {{"schema", catalogue_schema},
@@ -145,6 +150,7 @@ Json catalogue() {
           {"effects", effects},
           {"loop", json_of(loop_parameters())},
           {"meshes", json_of(mesh_parameters())},
+          {"wanted", json_of(wanted_parameters())},
           {"presets", json_of_presets()},
           {"scenes", json_of_scenes()},
           {"results", results_schema_json()}};

@@ -14,12 +14,50 @@ Json json_of(const Finding& finding) {
   return json;
 }
 
-Json json_of_added(const Scene& scene) {
+namespace {
+
+Json json_of(const std::vector<AddedEffect>& all) {
   Json added = Json::array();
-  for (const AddedEffect& effect : scene.auto_effects.added) {
+  for (const AddedEffect& effect : all) {
     added.push_back({{"effect", effect.effect}, {"rule", effect.rule}, {"reason", effect.reason}});
   }
   return added;
+}
+
+Json json_of(const std::vector<RequiredFigure>& all) {
+  Json figures = Json::array();
+  for (const RequiredFigure& figure : all) {
+    figures.push_back({{"requirement", name_of(figure.requirement)},
+                       {"value", figure.value},
+                       {"limit", figure.limit},
+                       {"holds", figure.holds()},
+                       {"where", figure.where},
+                       {"frame", figure.when.frame},
+                       {"text", figure.text()}});
+  }
+  return figures;
+}
+
+}  // namespace
+
+Json json_of_added(const Scene& scene) { return json_of(scene.auto_effects.added); }
+
+Json json_of(const EffectChoice& choice) {
+  Json tried = Json::array();
+  for (const TriedSet& each : choice.tried) {
+    tried.push_back({{"change", each.change},
+                     {"verdict", each.verdict},
+                     {"stopped", each.trial.was_stopped},
+                     {"frames", each.trial.frames},
+                     {"cpu_ns", each.trial.cpu_ns},
+                     {"figures", json_of(each.trial.figures)}});
+  }
+  return {{"added_effects", json_of(choice.added)},
+          {"needless", choice.needless},
+          {"unmet", choice.unmet},
+          {"figures", json_of(choice.figures)},
+          {"tried", tried},
+          {"cpu_ns", choice.cpu_ns}};
 }
 
 Json json_of(const std::vector<SceneWarning>& warnings) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "bench/results/manifest.hpp"
+#include "bench/trials/effect_search.hpp"
 #include "core/scene/check/finding.hpp"
 #include "core/scene/scene_warning.hpp"
 
@@ -18,5 +19,9 @@ Json json_of(const std::vector<SceneWarning>& warnings);
 /// What `check --json` prints of a scene: `obstacles` as texts, `warnings`,
 /// `added_effects` and `findings` as objects.
 Json json_of_check(const Scene& scene, const std::vector<SceneWarning>& warnings, const std::vector<Finding>& findings);
+
+/// What `check --trial --json` prints of the search: `added_effects`, `needless`, `unmet`, `figures`, `tried`,
+/// `cpu_ns`.
+Json json_of(const EffectChoice& choice);
 
 }  // namespace musclebench

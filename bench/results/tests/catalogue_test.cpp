@@ -53,17 +53,21 @@ void expect_parameters(const Json& parameters) {
 }
 
 TEST(Catalogue, HasTheKeysOfItsSchema) {
+  // Parts of what a scene asks about: no search adds them.
+  const Keys loads{"damping", "gravity", "attachment", "activation", "margin", "friction"};
   const Json json = catalogue();
   EXPECT_EQ(keys_of(json), (Keys{"schema", "version", "git", "backends", "responses", "effects", "loop", "meshes",
-                                 "presets", "scenes", "results"}));
+                                 "wanted", "presets", "scenes", "results"}));
   EXPECT_EQ(json["schema"], 1);
   for (const char* key : {"backends", "responses", "effects", "presets", "scenes"}) {
     EXPECT_FALSE(json[key].empty()) << key;
   }
   expect_parameters(json["loop"]);
   expect_parameters(json["meshes"]);
+  expect_parameters(json["wanted"]);
   for (const Json& effect : json["effects"]) {
-    EXPECT_EQ(keys_of(effect), (Keys{"name", "help", "parameters"}));
+    EXPECT_EQ(keys_of(effect), (Keys{"name", "help", "parameters", "remedies"}));
+    EXPECT_EQ(effect["remedies"].empty(), loads.contains(effect["name"])) << effect["name"];
     expect_parameters(effect["parameters"]);
   }
   for (const Json& response : json["responses"]) {

@@ -1,0 +1,94 @@
+#include "bench/commands/effect_trials.hpp"
+
+#include <fmt/format.h>
+
+#include "bench/commands/command_options.hpp"
+#include "bench/process/progress.hpp"
+#include "core/base/input_error.hpp"
+
+namespace musclebench {
+
+void add_wanted_option(CLI::App& command, std::vector<std::string>& wanted) {
+  command.add_option(
+      "--wanted", wanted,
+      "What the scene wants, key=value, such as surface_mm=0.1; overrides its [wanted]; may be repeated");
+}
+
+std::map<std::string, ParameterValue> wanted_overrides(const std::vector<std::string>& wanted) {
+  std::map<std::string, ParameterValue> values = parse_assignments(wanted, "--wanted", wanted_parameters());
+  (void)Parameters(wanted_parameters(), values, "--wanted");
+  return values;
+}
+
+EffectChoice choose_effects_with_progress(Scene& scene, const SearchOptions& options) {
+  const int frames = scene.loop.frames;
+  return choose_effects(
+      scene,
+      [&](const Scene& tried, const ShowsEnough& shows_enough, const std::string& what) {
+        Progress progress(progress_style(false), fmt::format("trial of {}: {}", scene.name, what), frames);
+        return try_effects(tried, shows_enough, [&](int done) { progress.show(done); });
+      },
+      options);
+}
+
+namespace {
+
+bool waits_for_trials(const Scene& scene) { return scene.auto_effects.wanted && scene.wanted.is_given; }
+
+}  // namespace
+
+void add_wanted_effects(const SceneChoice& choice, Scene& scene) {
+  if (!waits_for_trials(scene)) return;
+  const EffectChoice found = choose_effects_with_progress(scene, {});
+  scene.auto_effects.resolved_text = resolved_scene(choice, scene);
+  for (const AddedEffect& added : found.added) {
+    fmt::print(stderr, "musclebench: {}: added {} [{}]: {}\n", scene.name, added.effect, added.rule, added.reason);
+  }
+  for (const std::string& unmet : found.unmet) {
+    scene.warnings.push_back({"wanted", "does not hold: " + unmet});
+    print_warnings(scene.name, {scene.warnings.back()});
+  }
+}
+
+void require_named_effects(const Scene& scene, const std::string& what) {
+  if (!waits_for_trials(scene)) return;
+  throw InputError(scene.file, fmt::format("leaves its effects to trial runs, and {} takes named ones: write them with "
+                                           "`musclebench check {} --trial --out FILE.toml`",
+                                           what, scene.file));
+}
+
+namespace {
+
+std::string wanted_in_words(const Wanted& wanted) {
+  std::string words = fmt::format("wanted: surface at most {:g} mm deep, volume within {:g} %, {}, back within {:g} mm",
+                                  1e3 * wanted.surface_m, 100 * wanted.volume_share,
+                                  wanted.nothing_passes ? "nothing passes" : "no nodes and 1 % of the triangles pass",
+                                  1e3 * wanted.returned_m);
+  if (wanted.moment_arm_m) words += fmt::format(", moment arms within {:g} mm", 1e3 * *wanted.moment_arm_m);
+  return words;
+}
+
+std::string line_of(const TriedSet& tried) {
+  return fmt::format("  {}{}: {} [{:.2g} s]", tried.change.empty() ? "as it is" : tried.change,
+                     tried.trial.was_stopped ? fmt::format(" (ended in frame {})", tried.trial.frames) : "",
+                     tried.verdict, 1e-9 * static_cast<double>(tried.trial.cpu_ns));
+}
+
+}  // namespace
+
+std::vector<std::string> lines_of(const Scene& scene, const EffectChoice& choice) {
+  std::vector<std::string> lines{wanted_in_words(scene.wanted), "trial runs:"};
+  for (const TriedSet& tried : choice.tried) lines.push_back(line_of(tried));
+  for (const AddedEffect& added : choice.added) {
+    lines.push_back(fmt::format("added {} [{}]: {}", added.effect, added.rule, added.reason));
+  }
+  for (const std::string& needless : choice.needless) lines.push_back("needless " + needless);
+  for (const std::string& unmet : choice.unmet) lines.push_back("does not hold: " + unmet);
+  if (choice.holds()) {
+    lines.push_back(choice.added.empty() ? "holds all that is wanted as it is"
+                                         : "holds all that is wanted with what was added");
+  }
+  return lines;
+}
+
+}  // namespace musclebench

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/App.hpp>
+
+#include "bench/cases/scene_source.hpp"
+#include "bench/trials/effect_search.hpp"
+
+namespace musclebench {
+
+/// Adds the option `--wanted`.
+void add_wanted_option(CLI::App& command, std::vector<std::string>& wanted);
+/// Its values. Throws InputError.
+std::map<std::string, ParameterValue> wanted_overrides(const std::vector<std::string>& wanted);
+
+/// Searches with progress on standard error.
+EffectChoice choose_effects_with_progress(Scene& scene, const SearchOptions& options);
+
+/// Adds to a scene that asks for effects and says what it wants those that it takes, and tells them on standard error;
+/// what does not hold becomes a warning of the scene. Leaves other scenes alone.
+void add_wanted_effects(const SceneChoice& choice, Scene& scene);
+
+/// Throws InputError for such a scene: `what` would not have the effects that a run has.
+void require_named_effects(const Scene& scene, const std::string& what);
+
+/// What was found, in lines: wanted, each run, what was added, what is needless, what does not hold.
+std::vector<std::string> lines_of(const Scene& scene, const EffectChoice& choice);
+
+}  // namespace musclebench

@@ -1,0 +1,80 @@
+#include "bench/trials/effect_trial.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "backends/registry.hpp"
+#include "bench/cases/run_case.hpp"
+#include "core/base/input_error.hpp"
+#include "core/base/machine_state.hpp"
+
+namespace musclebench {
+
+namespace {
+
+/// Nodes in frames: of a scene of less all frames are judged in a moment.
+constexpr std::size_t small_scene = 100'000;
+constexpr int sparsely_judged = 20;
+
+int middle_frame(const Scene& scene) { return (scene.loop.frames + 1) / 2; }
+
+/// What nothing holds may meet and leave another muscle within a few frames.
+bool has_free_muscles(const Scene& scene) {
+  for (std::size_t muscle = 0; muscle < scene.muscles.size(); ++muscle) {
+    if (!scene.muscles[muscle].velocity_m_per_s.isZero(0)) return true;
+    if (std::ranges::find(scene.attachments, muscle, &Attachment::muscle) == scene.attachments.end()) return true;
+  }
+  return false;
+}
+
+/// Evenly over the motion, with its turn and its end; empty: all.
+std::vector<int> judged_frames(const Scene& scene) {
+  const int frames = scene.loop.frames;
+  const std::size_t size = scene.muscle_mesh.vertices.size() * static_cast<std::size_t>(frames);
+  if (size <= small_scene || has_free_muscles(scene)) return {};
+  std::set<int> judged{middle_frame(scene), frames};
+  for (int i = 1; i <= sparsely_judged; ++i) judged.insert(frames * i / sparsely_judged);
+  return {judged.begin(), judged.end()};
+}
+
+EffectTrial run_once(const Scene& scene, const ShowsEnough& shows_enough, const std::function<void(int)>& report) {
+  const BackendEntry& backend = exact_backend();
+  RunCase run{{scene, backend, Parameters(backend.parameters, {}, backend.name)}};
+  run.colliders = choose_collider_backends({}, scene, backend);
+  run.responses = choose_responses("", scene, backend, run.parameters, run.colliders);
+  require_what_effects_need(scene, backend, run.parameters, run.responses, run.colliders);
+  run.judged_frames = judged_frames(scene);
+  run.keeps_shared = true;
+  run.snapshots = {middle_frame(scene)};
+  run.keep_surface_depths = false;
+  run.has_seen_enough = [&](const StepRecord& frame, const MuscleAtRest& rest) {
+    return std::ranges::any_of(figures_of_frame(scene, frame, rest), shows_enough);
+  };
+  const RunResult result = run_case(run, [&](int done) {
+    if (report) report(done);
+  });
+  EffectTrial trial;
+  trial.figures = figures_of_run(scene, result);
+  trial.arms = arm_course(result.fibres);
+  trial.was_stopped = result.status == "interrupted";
+  trial.frames = static_cast<int>(result.records.size());
+  for (const Snapshot& snapshot : result.snapshots) trial.shapes.push_back(snapshot.positions);
+  if (!result.end_positions.empty()) trial.shapes.push_back(result.end_positions);
+  return trial;
+}
+
+}  // namespace
+
+EffectTrial try_effects(const Scene& scene, const ShowsEnough& shows_enough, const std::function<void(int)>& report) {
+  const Nanoseconds start_ns = process_cpu_ns();
+  EffectTrial trial;
+  try {
+    trial = run_once(scene, shows_enough, report);
+  } catch (const InputError& refused) {
+    trial.refusal = refused.what();
+  }
+  trial.cpu_ns = process_cpu_ns() - start_ns;
+  return trial;
+}
+
+}  // namespace musclebench

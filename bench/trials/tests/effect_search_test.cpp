@@ -1,0 +1,224 @@
+// The search with runs that are made up: which figures a set of effects leaves is known, and so is what it should find.
+#include "bench/trials/effect_search.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "bench/cases/tests/pressed_ball.hpp"
+#include "core/scene/read_scene.hpp"
+
+namespace musclebench {
+namespace {
+
+constexpr double deep_m = 2e-3;
+constexpr const char* whole_ball = "[effects.edge_length]\n[effects.volume]\n";
+
+Scene scene_of(const std::string& effects, const std::string& muscles = one_ball) {
+  SceneRequest request;
+  request.name = request.file = "made_up.toml";
+  request.text = "[loop]\nframes = 6\n" + effects + plate_and_rod(-30) + muscles;
+  request.synthetic_mesh = [](const std::string& name) { return pressed_ball_mesh(name); };
+  return read_scene(request);
+}
+
+/// A figure that is 1 at its limit where it holds.
+RequiredFigure figure(Requirement requirement, double value, double limit) {
+  return {requirement, value, limit, "ball in the plate", {3, 12}};
+}
+
+/// What a run with these effects leaves: depth, nodes through a bone, volume.
+using MadeUp = std::function<std::vector<RequiredFigure>(const Scene& scene)>;
+
+std::vector<std::string> changes_of(const EffectChoice& choice) {
+  std::vector<std::string> changes;
+  for (const TriedSet& tried : choice.tried) changes.push_back(tried.change);
+  return changes;
+}
+
+std::vector<std::string> names_of(const std::vector<AddedEffect>& added) {
+  std::vector<std::string> names;
+  for (const AddedEffect& each : added) names.push_back(each.effect);
+  return names;
+}
+
+EffectChoice searched(Scene& scene, const MadeUp& made_up, bool looks_for_needless = false) {
+  return choose_effects(scene,
+                        [&](const Scene& tried, const ShowsEnough& shows_enough, const std::string& /*what*/) {
+                          EffectTrial trial;
+                          trial.figures = made_up(tried);
+                          trial.was_stopped = std::ranges::any_of(trial.figures, shows_enough);
+                          trial.shapes = {std::vector<Vec3>(tried.muscle_mesh.vertices.size(), Vec3::Zero())};
+                          if (has_effect(tried, "gravity"))
+                            trial.shapes.front().assign(trial.shapes.front().size(), Vec3(0, 0, 1));
+                          trial.cpu_ns = 1;
+                          return trial;
+                        },
+                        {looks_for_needless});
+}
+
+double depth_m(const Scene& scene, const std::string& remedy, double with_m) {
+  return has_effect(scene, remedy) ? with_m : deep_m;
+}
+
+using Names = std::vector<std::string>;
+
+TEST(EffectSearch, ASceneThatHoldsIsRunOnceAndLeftAlone) {
+  Scene scene = scene_of(whole_ball);
+  const EffectChoice choice =
+      searched(scene, [](const Scene&) { return std::vector{figure(Requirement::bone_depth, 1e-5, 1e-4)}; });
+  EXPECT_TRUE(choice.holds());
+  EXPECT_TRUE(choice.added.empty());
+  EXPECT_EQ(changes_of(choice), Names{""});
+  EXPECT_EQ(choice.tried.front().verdict, "holds all that is wanted");
+}
+
+TEST(EffectSearch, WhatMendsIsAddedWithItsFigures) {
+  Scene scene = scene_of(whole_ball);
+  const EffectChoice choice = searched(scene, [](const Scene& tried) {
+    return std::vector{figure(Requirement::bone_depth, depth_m(tried, "surface_contact", 2e-5), 1e-4)};
+  });
+  EXPECT_TRUE(choice.holds());
+  ASSERT_EQ(names_of(choice.added), Names{"surface_contact"});
+  EXPECT_TRUE(has_effect(scene, "surface_contact"));
+  EXPECT_EQ(choice.added.front().rule, "trial");
+  EXPECT_EQ(choice.added.front().reason,
+            "without it ball in the plate is 2 mm deep (at 12 degrees, frame 3; wanted 0.1 mm), with it 0.02 mm");
+  EXPECT_EQ(choice.cpu_ns, static_cast<Nanoseconds>(choice.tried.size()));
+}
+
+/// Contact of surfaces holds the depth and lets nodes through: the next one is taken.
+TEST(EffectSearch, WhatSpoilsAsMuchAsItMendsIsNotTaken) {
+  Scene scene = scene_of(whole_ball);
+  const EffectChoice choice = searched(scene, [](const Scene& tried) {
+    const double nodes = has_effect(tried, "surface_contact") ? 400 : 0;
+    const bool is_held = has_effect(tried, "surface_contact") || has_effect(tried, "no_passage");
+    return std::vector{figure(Requirement::bone_passage, nodes, 0),
+                       figure(Requirement::bone_depth, is_held ? 0 : deep_m, 1e-4)};
+  });
+  EXPECT_EQ(names_of(choice.added), Names{"no_passage"});
+  EXPECT_TRUE(choice.holds());
+}
+
+/// Nodes no longer pass, for a volume that is off by a little: that is taken, and told.
+TEST(EffectSearch, WhatMendsMuchMaySpoilALittle) {
+  Scene scene = scene_of("[effects]\nlocal_volume = false\n[effects.edge_length]\n[effects.volume]\n");
+  const EffectChoice choice = searched(scene, [](const Scene& tried) {
+    const bool is_guarded = has_effect(tried, "tunnelling_guard");
+    return std::vector{figure(Requirement::volume, is_guarded ? 0.0116 : 0.001, 0.01),
+                       figure(Requirement::bone_passage, is_guarded ? 0 : 600, 0)};
+  });
+  EXPECT_EQ(names_of(choice.added), Names{"tunnelling_guard"});
+  ASSERT_EQ(choice.unmet.size(), 1U);
+  EXPECT_NE(choice.unmet.front().find("off by 1.16 %"), std::string::npos) << choice.unmet.front();
+}
+
+/// What was added first does nothing once the second is there.
+TEST(EffectSearch, WhatBecameNeedlessIsTakenAwayAgain) {
+  Scene scene = scene_of(whole_ball);
+  const EffectChoice choice = searched(scene, [](const Scene& tried) {
+    const bool is_whole = has_effect(tried, "no_passage");
+    const bool is_guarded = has_effect(tried, "tunnelling_guard");
+    return std::vector{figure(Requirement::bone_passage, is_guarded || is_whole ? 0 : 9, 0),
+                       figure(Requirement::bone_depth, is_whole ? 0 : deep_m, 1e-4)};
+  });
+  EXPECT_EQ(names_of(choice.added), Names{"no_passage"});
+  EXPECT_EQ(changes_of(choice).back(), "- tunnelling_guard");
+  EXPECT_FALSE(has_effect(scene, "tunnelling_guard"));
+}
+
+/// Two that halve the depth each: both stay, and what is left is told.
+TEST(EffectSearch, WhatHelpsInPartStaysAndTheRestIsTold) {
+  Scene scene = scene_of(whole_ball);
+  const EffectChoice choice = searched(scene, [](const Scene& tried) {
+    double left_m = deep_m;
+    for (const char* effect : {"multi_bone", "surface_contact"}) left_m *= has_effect(tried, effect) ? 0.4 : 1;
+    return std::vector{figure(Requirement::bone_depth, left_m, 1e-4)};
+  });
+  EXPECT_EQ(names_of(choice.added), (Names{"surface_contact", "multi_bone"}));  // the checker advises the first
+  ASSERT_EQ(choice.unmet.size(), 1U);
+  EXPECT_NE(choice.unmet.front().find("0.32 mm deep"), std::string::npos) << choice.unmet.front();
+  EXPECT_NE(choice.unmet.front().find("no_passage leaves 0.32 mm or more"), std::string::npos) << choice.unmet.front();
+}
+
+TEST(EffectSearch, WhatTheSceneKeepsOutStaysOut) {
+  Scene scene =
+      scene_of("[effects]\nsurface_contact = false\nno_passage = false\n[effects.edge_length]\n[effects.volume]\n");
+  const EffectChoice choice = searched(scene, [](const Scene& tried) {
+    return std::vector{figure(Requirement::bone_depth, depth_m(tried, "surface_contact", 0), 1e-4)};
+  });
+  EXPECT_TRUE(choice.added.empty());
+  EXPECT_FALSE(choice.holds());
+}
+
+/// A rule needs no run to see that nothing holds the surface; a run shows whether that matters.
+TEST(EffectSearch, WhatRulesAskForIsAddedAtOnceAndLeftOutIfNothingFeelsIt) {
+  for (const bool is_felt : {true, false}) {
+    Scene scene = scene_of("[effects.gravity]\n");
+    const EffectChoice choice = searched(scene, [is_felt](const Scene& tried) {
+      const bool is_torn = is_felt && !has_effect(tried, "edge_length");
+      return std::vector{figure(Requirement::whole_surface, is_torn ? 20 : 1, 3)};
+    });
+    EXPECT_EQ(names_of(choice.added), is_felt ? Names{"edge_length"} : Names{}) << is_felt;
+    EXPECT_EQ(has_effect(scene, "edge_length"), is_felt);
+  }
+}
+
+TEST(EffectSearch, MusclesThatMeetGetContact) {
+  std::string apart = two_balls;
+  apart.erase(apart.find("[contact]"));
+  Scene scene = scene_of(whole_ball, apart);
+  ASSERT_TRUE(scene.muscle_pairs.empty());
+  const EffectChoice choice = searched(scene, [](const Scene& tried) {
+    return std::vector{figure(Requirement::muscle_passage, tried.muscle_pairs.empty() ? 90 : 0, 2)};
+  });
+  EXPECT_EQ(names_of(choice.added), Names{"muscle_contact ball other"});
+  EXPECT_EQ(scene.muscle_pairs.size(), 1U);
+}
+
+/// Its own effects stay; those that change nothing are named.
+TEST(EffectSearch, OwnEffectsThatChangeNothingAreNamed) {
+  Scene scene = scene_of("[effects.gravity]\n[effects.edge_length]\n[effects.volume]\n[effects.bending]\n");
+  const EffectChoice choice = searched(
+      scene,
+      [](const Scene& tried) {
+        return std::vector{figure(Requirement::volume, has_effect(tried, "volume") ? 0 : 0.2, 0.01)};
+      },
+      true);
+  Names named;
+  for (const std::string& line : choice.needless) named.push_back(line.substr(0, line.find(':')));
+  EXPECT_EQ(named, (Names{"edge_length", "bending"}));  // without gravity the shape moves
+  EXPECT_TRUE(has_effect(scene, "bending"));
+}
+
+/// An effect that a rule says cannot act is not run: `multi_bone` with one bone.
+TEST(EffectSearch, WhatCannotActIsNotRun) {
+  SceneRequest request;
+  request.name = request.file = "one_bone.toml";
+  request.text = std::string("[loop]\nframes = 6\n") + whole_ball + one_ball +
+                 "[[bone]]\nname = \"plate\"\nmesh = \"synthetic:plate\"\n";
+  request.synthetic_mesh = [](const std::string& name) { return pressed_ball_mesh(name); };
+  Scene scene = read_scene(request);
+  const EffectChoice choice =
+      searched(scene, [](const Scene&) { return std::vector{figure(Requirement::bone_depth, deep_m, 1e-4)}; });
+  EXPECT_EQ(std::ranges::count(changes_of(choice), "+ multi_bone"), 0);
+  EXPECT_NE(choice.unmet.front().find("multi_bone cannot act"), std::string::npos) << choice.unmet.front();
+}
+
+TEST(EffectSearch, ASceneThatCannotRunIsToldAndNotSearched) {
+  Scene scene = scene_of(whole_ball);
+  const EffectChoice choice = choose_effects(scene, [](const Scene&, const ShowsEnough&, const std::string&) {
+    EffectTrial trial;
+    trial.refusal = "no";
+    return trial;
+  });
+  EXPECT_EQ(choice.unmet, Names{"no"});
+  EXPECT_EQ(choice.tried.size(), 1U);
+}
+
+}  // namespace
+}  // namespace musclebench

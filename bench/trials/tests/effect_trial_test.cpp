@@ -1,0 +1,101 @@
+// Trials of the scenes that show an effect, without it: what a run leaves is known from them.
+#include "bench/trials/effect_trial.hpp"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "backends/registry.hpp"
+#include "bench/cases/scene_source.hpp"
+#include "bench/trials/effect_search.hpp"
+#include "core/effects/effect_registry.hpp"
+
+namespace musclebench {
+namespace {
+
+Scene scene_without(const std::string& scene, const std::string& effect) {
+  SceneChoice choice;
+  choice.scene = scene;
+  choice.effect_overrides = {{"test", effect, true}};
+  return load_scene(choice);
+}
+
+bool no_frame(const RequiredFigure& /*of_frame*/) { return false; }
+
+RunResult run_of(const Scene& scene, const std::vector<int>& judged_frames) {
+  const BackendEntry& backend = exact_backend();
+  RunCase run{{scene, backend, Parameters(backend.parameters, {}, backend.name)}};
+  run.judged_frames = judged_frames;
+  return run_case(run, [](int /*frames*/) {});
+}
+
+TEST(EffectTrial, ShowsWhatPassesWithoutAGuard) {
+  const Scene scene = scene_without("effects/tunnelling_guard", "tunnelling_guard");
+  const EffectTrial trial = try_effects(scene, no_frame, {});
+  ASSERT_TRUE(trial.is_whole());
+  EXPECT_EQ(trial.frames, scene.loop.frames);
+  ASSERT_EQ(trial.shapes.size(), 2U);
+  const RequiredFigure* passed = find_figure(trial.figures, Requirement::bone_passage);
+  ASSERT_NE(passed, nullptr);
+  EXPECT_EQ(passed->value, static_cast<double>(scene.muscle_mesh.vertices.size()));
+}
+
+TEST(EffectTrial, EndsWhereAFrameShowsEnough) {
+  const Scene scene = scene_without("effects/tunnelling_guard", "tunnelling_guard");
+  const EffectTrial trial = try_effects(
+      scene,
+      [](const RequiredFigure& figure) { return figure.requirement == Requirement::bone_passage && !figure.holds(); },
+      {});
+  EXPECT_TRUE(trial.was_stopped);
+  EXPECT_LT(trial.frames, scene.loop.frames);
+}
+
+/// Nodes are followed through frames that are not judged, or those that pass between two of them would be missed.
+TEST(EffectTrial, FollowedFramesSeeWhatJudgedOnesSee) {
+  const Scene scene = scene_without("effects/tunnelling_guard", "tunnelling_guard");
+  const RunResult judged = run_of(scene, {});
+  const RunResult followed = run_of(scene, {scene.loop.frames});
+  EXPECT_EQ(judged.state_hash, followed.state_hash);
+  ASSERT_EQ(judged.records.size(), followed.records.size());
+  for (std::size_t i = 0; i < judged.records.size(); ++i) {
+    EXPECT_EQ(judged.records[i].tunnelled_nodes, followed.records[i].tunnelled_nodes) << i;
+    EXPECT_EQ(judged.records[i].depth.max_depth_m, followed.records[i].depth.max_depth_m) << i;
+    EXPECT_EQ(followed.records[i].judged, i + 1 == judged.records.size()) << i;
+  }
+}
+
+TEST(EffectTrial, AnEffectThatCannotBeIsTheReasonOfARefusal) {
+  Scene scene = scene_without("effects/tunnelling_guard", "tunnelling_guard");
+  scene.response = ResponseKind::backtrack;
+  scene.effects.push_back({"margin", Parameters(find_effect("margin")->parameters, {}, "test")});
+  const EffectTrial trial = try_effects(scene, no_frame, {});
+  EXPECT_FALSE(trial.refusal.empty());
+  EXPECT_FALSE(trial.is_whole());
+}
+
+/// Of these an effect is missing, which the search finds, or one that does as well.
+struct Missing {
+  std::string effect;
+  std::vector<std::string> found;
+};
+
+class EffectChoiceTest : public testing::TestWithParam<Missing> {};
+
+TEST_P(EffectChoiceTest, FindsWhatAShowSceneLacks) {
+  Scene scene = scene_without("effects/" + GetParam().effect, GetParam().effect);
+  const EffectChoice choice = choose_effects(scene, [](const Scene& tried, const ShowsEnough& enough,
+                                                       const std::string&) { return try_effects(tried, enough, {}); });
+  std::vector<std::string> found;
+  for (const AddedEffect& added : choice.added) found.push_back(added.effect);
+  EXPECT_EQ(found, GetParam().found);
+}
+
+INSTANTIATE_TEST_SUITE_P(ShowScenes, EffectChoiceTest,
+                         testing::Values(Missing{"attachment", {"attachment"}},
+                                         Missing{"self_contact", {"self_contact"}},
+                                         Missing{"tunnelling_guard", {"tunnelling_guard"}},
+                                         Missing{"no_passage", {"no_passage"}}, Missing{"multi_bone", {}}),
+                         [](const auto& each) { return each.param.effect; });
+
+}  // namespace
+}  // namespace musclebench

@@ -1,0 +1,109 @@
+"""`check --trial` and `effects = "auto"` with [wanted] find the effects that a scene takes, and what they promise holds in a run
+that is judged in every frame."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ball_on_box import SCENE, ball, box, off
+from program import call, complaint, needs_program
+
+pytestmark = needs_program
+KNEE = Path(__file__).resolve().parents[2] / "datasets" / "examples" / "knee.py"
+WANTED = '[wanted]\nsurface_mm = 0.1\n'
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "box.off").write_text(off(*box(0.02)))
+    (tmp_path / "ball.off").write_text(off(*ball(0.01, [0, 0, 0.0305])))
+    (tmp_path / "scene.toml").write_text(SCENE)
+    return tmp_path
+
+
+def tried(scene, *options) -> dict:
+    done = call("check", scene, "--trial", "--json", *options)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)["trial"]
+
+
+def run(scene, out, *options) -> dict:
+    done = call("run", scene, "--backend", "bvh", "--out", out, "--force", *options)
+    assert done.returncode == 0, done.stderr
+    return json.loads((out / "run.json").read_text())
+
+
+def test_what_a_trial_finds_is_written_and_holds_in_a_run_of_its_own(tmp_path):
+    found = tried("effects/no_passage", "--no-effect", "no_passage", "--out", tmp_path / "found.toml")
+    assert [one["effect"] for one in found["added_effects"]] == ["no_passage"] and found["unmet"] == []
+    assert "# Added [trial]: without it" in (tmp_path / "found.toml").read_text()
+    assert all(one["holds"] for one in found["figures"])
+    with_it = run(tmp_path / "found.toml", tmp_path / "with")
+    without = run("effects/no_passage", tmp_path / "without", "--no-effect", "no_passage")
+    assert with_it["status"] == "ok" and without["status"] == "suspect"
+    assert with_it["outcome"]["muscle_crossings"] == 0 < without["outcome"]["muscle_crossings"]
+
+
+def test_a_trial_is_told_in_words(tmp_path):
+    done = call("check", "effects/self_contact", "--trial", "--no-effect", "self_contact")
+    assert done.returncode == 0, done.stderr
+    for words in ["wanted: surface at most 0.1 mm deep", "as it is: ", "+ self_contact: self_contact leaves 0",
+                  "added self_contact [trial]: without it", "needless attachment: ", "holds all that is wanted"]:
+        assert words in done.stdout, words
+
+
+def test_a_scene_that_says_what_it_wants_is_asked_when_it_runs(folder):
+    """The box turns under the ball at 15 m/s: its nodes are through before contact sees them."""
+    text = SCENE.replace("to_deg = 20", "to_deg = 80").replace("[effects.gravity]", WANTED + "[effects]\nauto = true\n[effects.gravity]")
+    (folder / "scene.toml").write_text(text)
+    told = run(folder / "scene.toml", folder / "out")
+    found = tried(folder / "scene.toml")
+    assert told["added_effects"] == found["added_effects"]
+    assert {warning["rule"] for warning in told["warnings"]} >= ({"wanted"} if found["unmet"] else set())
+    again = run(folder / "out" / "resolved_scene.toml", folder / "again")
+    assert again["state_hash"] == told["state_hash"]
+
+
+def test_a_run_that_misses_what_its_scene_wants_is_suspect(folder):
+    (folder / "scene.toml").write_text(SCENE + "[wanted]\nreturns_mm = 0.001\n")
+    told = run(folder / "scene.toml", folder / "out")
+    assert told["status"] == "suspect" and "ball ends" in told["status_detail"] and "wanted 0.001 mm" in told["status_detail"]
+    (folder / "scene.toml").write_text(SCENE + "[wanted]\nreturns_mm = 1000\nsurface_mm = 100\nvolume_percent = 50\n")
+    assert run(folder / "scene.toml", folder / "out")["status"] == "ok"
+
+
+@pytest.mark.parametrize(("command", "words"), [
+    (["check", "scene.toml", "--out", "found.toml"], ["--out", "--trial"]),
+    (["check", "scene.toml", "--wanted", "surface_mm=1"], ["--wanted", "--trial"]),
+    (["check", "scene.toml", "--trial", "--wanted", "surface=1"], ["surface", "surface_mm"]),
+    (["check", "scene.toml", "--trial", "--wanted", "surface_mm=0"], ["--wanted", "surface_mm", "0"]),
+    (["check", "box.off", "--trial"], ["box.off", "--trial"]),
+    (["run", "scene.toml", "--backend", "bvh", "--wanted", "surface_mm=1"], ["--wanted", "--effects auto"]),
+    (["record", "asked.toml", "--backend", "bvh", "--out", "x.recording"], ["asked.toml", "check asked.toml --trial --out"]),
+])
+def test_what_makes_no_sense_is_refused(folder, command, words):
+    (folder / "asked.toml").write_text(SCENE.replace("[effects.gravity]", WANTED + "[effects]\nauto = true\n[effects.gravity]"))
+    before = sorted(folder.iterdir())
+    done = call(*command, cwd=folder)
+    assert done.returncode == 2, done.stdout
+    assert all(word in complaint(done) for word in words), done.stderr
+    assert sorted(folder.iterdir()) == before
+
+
+def test_a_check_of_such_a_scene_says_who_chooses(folder):
+    (folder / "scene.toml").write_text(SCENE.replace("[effects.gravity]", WANTED + "[effects]\nauto = true\n[effects.gravity]"))
+    assert "--trial shows which" in call("check", "scene.toml", cwd=folder).stdout
+
+
+def test_a_strangers_meshes_are_asked(tmp_path):
+    """OBJ, STL and PLY in millimetres and metres: what the trial says holds is what the judge of the run finds."""
+    subprocess.run([sys.executable, str(KNEE), "knee"], cwd=tmp_path, check=True, capture_output=True)
+    scene = next(tmp_path.rglob("*.toml"))
+    found = tried(scene, "--out", tmp_path / "found.toml", "--wanted", "surface_mm=0.2")
+    told = run(tmp_path / "found.toml", tmp_path / "out")
+    depths_m = [one["value"] for one in found["figures"] if one["requirement"] == "bone_depth"]
+    assert depths_m and told["outcome"]["max_surface_depth_m"] == pytest.approx(depths_m[0], abs=1e-4)
+    assert found["unmet"] or told["status"] == "ok", told["status_detail"]
