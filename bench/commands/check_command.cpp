@@ -237,7 +237,6 @@ void add_check_command(CLI::App& app, int& exit_code) {
       "check", "Check a mesh or a scene: report defects of meshes, missing effects, and effects that cannot act");
   command->footer(
       "Example: musclebench check synthetic/iliacus --backend sdf --param cells=128\n"
-      "Example: musclebench check my_knee.toml --trial --wanted surface_mm=0.1 --out my_knee_tried.toml\n"
       "Each finding has a reason and, where one is known, the lines to add to the scene.\n"
       "Exit codes: 0 the scene can run, 2 it cannot.");
   command->add_option("target", request->scene.scene, "Mesh file (PLY, OBJ, STL, OFF, ...), scene name or .toml file")
@@ -252,9 +251,10 @@ void add_check_command(CLI::App& app, int& exit_code) {
   command->add_option("--safe-step", request->safe_steps,
                       "File safe_step.json of tools/safe-step: compare the scene's step with the largest safe step");
   add_effect_options(*command, request->effects);
-  command->add_flag("--trial", request->trial,
-                    "Run the scene, judge it, and find the effects that it takes to hold what it wants; and those of "
-                    "its own that change nothing");
+  command->add_flag(
+      "--trial", request->trial,
+      "Run the scene and judge it. Find the effects that it takes to hold what it wants, and those of its own that "
+      "change nothing");
   add_wanted_option(*command, request->wanted);
   command->add_option("--out", request->out, "With --trial: file for the scene with what was added (default: none)");
   command->add_flag("--json", request->json, "Print warnings and findings as JSON");

@@ -44,7 +44,7 @@ def test_what_a_trial_finds_is_written_and_holds_in_a_run_of_its_own(tmp_path):
     with_it = run(tmp_path / "found.toml", tmp_path / "with")
     without = run("effects/no_passage", tmp_path / "without", "--no-effect", "no_passage")
     assert with_it["status"] == "ok" and without["status"] == "suspect"
-    assert with_it["outcome"]["muscle_crossings"] == 0 < without["outcome"]["muscle_crossings"]
+    assert with_it["outcome"]["muscle_crossing_triangles"] == 0 < without["outcome"]["muscle_crossing_triangles"]
 
 
 def test_a_trial_is_told_in_words(tmp_path):

@@ -51,7 +51,10 @@ EffectChoice searched(Scene& scene, const MadeUp& made_up, bool looks_for_needle
                         [&](const Scene& tried, const ShowsEnough& shows_enough, const std::string& /*what*/) {
                           EffectTrial trial;
                           trial.figures = made_up(tried);
-                          trial.was_stopped = std::ranges::any_of(trial.figures, shows_enough);
+                          trial.was_stopped = std::ranges::any_of(trial.figures, [&](const RequiredFigure& each) {
+                            return each.requirement != Requirement::volume &&
+                                   shows_enough(each);  // a volume is told by the whole run
+                          });
                           trial.shapes = {std::vector<Vec3>(tried.muscle_mesh.vertices.size(), Vec3::Zero())};
                           if (has_effect(tried, "gravity"))
                             trial.shapes.front().assign(trial.shapes.front().size(), Vec3(0, 0, 1));
@@ -102,6 +105,17 @@ TEST(EffectSearch, WhatSpoilsAsMuchAsItMendsIsNotTaken) {
   });
   EXPECT_EQ(names_of(choice.added), Names{"no_passage"});
   EXPECT_TRUE(choice.holds());
+}
+
+TEST(EffectSearch, WhatSpoilsAsMuchByTheEndIsNotTakenEither) {
+  Scene scene = scene_of("[effects]\nlocal_volume = false\n[effects.edge_length]\n[effects.volume]\n");
+  const EffectChoice choice = searched(scene, [](const Scene& tried) {
+    const bool is_held = has_effect(tried, "surface_contact");
+    return std::vector{figure(Requirement::volume, is_held ? 2 : 0.001, 0.01),
+                       figure(Requirement::bone_depth, is_held ? 0 : deep_m, 1e-4)};
+  });
+  EXPECT_TRUE(choice.added.empty());
+  EXPECT_EQ(choice.unmet.size(), 1U);
 }
 
 /// Nodes no longer pass, for a volume that is off by a little: that is taken, and told.

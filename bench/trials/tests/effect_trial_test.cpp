@@ -2,6 +2,7 @@
 #include "bench/trials/effect_trial.hpp"
 
 #include <algorithm>
+#include <ostream>
 
 #include <gtest/gtest.h>
 
@@ -78,6 +79,8 @@ struct Missing {
   std::string effect;
   std::vector<std::string> found;
 };
+
+void PrintTo(const Missing& missing, std::ostream* out) { *out << missing.effect; }
 
 class EffectChoiceTest : public testing::TestWithParam<Missing> {};
 

@@ -159,6 +159,14 @@ TEST(FiguresOfRun, ADivergedRunHoldsNothingAndAnInvertedOneHasNoVolume) {
   EXPECT_TRUE(std::isinf(found(figures, Requirement::volume).value));
 }
 
+TEST(FiguresOfRun, AFrameWhoseFigureIsNoNumberIsTheWorst) {
+  const Scene scene = balls();
+  RunResult run = run_of(scene, 0);
+  run.records.push_back(judged_frame());
+  run.records.back().edge_stretch.p99 = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(found(figures_of_run(scene, run), Requirement::whole_surface).holds());
+}
+
 /// Lengths of a frame's only fibre.
 FibreFrame fibre_frame(int frame, double length_m) { return {frame, 0.1 * frame, {{{length_m}, {}}, {{0.1}, {}}}}; }
 
