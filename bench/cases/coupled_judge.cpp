@@ -148,7 +148,7 @@ void ThinBones::measure(const Referee& referee, std::span<const RigidMotion> pos
 }
 
 CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_nodes, const Simulation& simulation,
-                           int threads, std::function<double(int)> declared_missed_m)
+                           int threads, std::function<double(int)> declared_missed_m, long effort)
     : m_referee(scene.bones, static_cast<int>(scene.muscle_mesh.vertices.size())),
       m_surface(scene.muscle_mesh.triangles, carriers_of(scene, bound_nodes), static_cast<int>(scene.bones.size())),
       m_bone_vertices(scene.bones, scene.muscle_mesh, carriers_of(scene, bound_nodes)),
@@ -161,7 +161,7 @@ CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_
       m_smallest_diagonal_m(smallest_diagonal_m(scene)),
       m_declared_missed_m(std::move(declared_missed_m)),
       m_floor_m(least_movement * bounding_box(scene.muscle_mesh.vertices).diagonal().norm()),
-      m_budget(judging_budget(scene, threads)) {
+      m_budget(effort * judging_budget(scene, threads)) {
   if (scene.muscles.size() > 1) {
     m_bodies = scene.bodies();
     for (const Body& body : m_bodies) m_stretch_of_bodies.emplace_back(scene.mesh_of(body));

@@ -61,9 +61,10 @@ class CoupledJudge {
  public:
   /// `simulation`, which runs on `threads`, has not made a frame yet.
   /// `declared_missed_m`: of a bone, how deep the contacts may be that its backend declares that it misses
-  /// (AnswerBound); infinite counts as nothing declared. Asked only where a contact was missed.
+  /// (AnswerBound); infinite counts as nothing declared. Asked only where a contact was missed. `effort`: times the
+  /// usual budget.
   CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_nodes, const Simulation& simulation,
-               int threads = 1, std::function<double(int bone)> declared_missed_m = {});
+               int threads = 1, std::function<double(int bone)> declared_missed_m = {}, long effort = 1);
 
   /// Fills in the judged figures of `record` after a frame, whose last detection was `detection`.
   void judge(const Simulation& simulation, const LastDetection& detection, StepRecord& record,

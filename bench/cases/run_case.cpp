@@ -18,8 +18,8 @@
 #include "core/measure/crossings.hpp"
 #include "core/measure/outcome_limits.hpp"
 #include "core/pbd/muscle_contact_stage.hpp"
-#include "core/scene/check/scene_check.hpp"
 #include "core/scene/prepare_simulation.hpp"
+#include "core/signed_distance/signed_surface.hpp"
 
 namespace musclebench {
 
@@ -122,9 +122,9 @@ class CaseRunner {
     }
     if (m_run.judge) {
       reserve_huge_pages(usual_referee_bytes);
-      m_judge =
-          std::make_unique<CoupledJudge>(m_scene, m_result.bound_nodes, *m_simulation, m_run.threads,
-                                         [this](int bone) { return m_backend->answer_bound(bone).missed_depth_m; });
+      m_judge = std::make_unique<CoupledJudge>(
+          m_scene, m_result.bound_nodes, *m_simulation, m_run.threads,
+          [this](int bone) { return m_backend->answer_bound(bone).missed_depth_m; }, m_run.judging_effort);
       note_rest(m_judge->at_rest());
     }
     if (m_judge || m_fibres || m_forces || !m_room.empty()) {
@@ -348,7 +348,7 @@ class CaseRunner {
     MuscleAtRest rest;
     rest.volumes_m3 = volumes_m3(mesh.vertices);
     for (std::size_t muscle = 0; muscle < m_scene.muscles.size(); ++muscle) {
-      rest.are_open.push_back(!is_closed_muscle(m_scene, muscle));
+      rest.are_open.push_back(!is_closed(m_scene.mesh_of(m_scene.muscles[muscle].body)));
     }
     rest.mean_edge_length_m = EdgeStretchMeter(mesh).mean_length_m();
     rest.free_nodes = static_cast<int>(m_simulation->free_nodes().size());

@@ -19,6 +19,7 @@ struct RunCase : Case {
   int warm_up_frames = 2;     ///< recorded and marked
   bool judge = true;          ///< whether the Referee judges
   bool keeps_shared = false;  ///< structures over bones (Bone::shared), for the next run of the scene
+  long judging_effort = 1;    ///< times the budget that a frame's judgement has in other runs
   /// Frames that it judges, ascending; empty: all. In the others it only follows the nodes.
   std::vector<int> judged_frames = {};
   /// Asked after each frame. True ends the run, with status `interrupted`.

@@ -311,12 +311,12 @@ int advise_on_arms(const Scene& scene, const AdviseOptions& options, AdviceReque
 }
 
 int advise(const AdviseOptions& options) {
-  const Nanoseconds start_ns = process_cpu_ns();
   const AdviceRequest request{options.wanted_mm() * 1e-3, options.seconds, advise_plans()};
   SceneOptions named = options.scene;
   if (options.asks_for_arms()) named.choice.fibres = {followed_fibres, "--moment-arm-mm"};
   Scene scene = load_scene(named);
   add_wanted_effects(choice_of(named), scene);
+  const Nanoseconds start_ns = process_cpu_ns();
   require_a_choice(scene);
   return options.asks_for_arms() ? advise_on_arms(scene, options, request, start_ns)
                                  : advise_on_depth(scene, options, request, start_ns);

@@ -158,8 +158,8 @@ void print_verdict(const Scene& scene, const std::vector<SceneWarning>& warnings
 
 /// Runs the scene with the effects that it names and others, and adds those that it takes.
 EffectChoice try_scene(const CheckRequest& request, const SceneChoice& choice, Scene& scene) {
-  EffectChoice chosen = choose_effects_with_progress(scene, {.looks_for_needless = true});
-  if (!request.out.empty()) {
+  EffectChoice chosen = choose_effects_with_progress(scene, {.looks_for_needless = true, .judges_the_end = true});
+  if (!request.out.empty() && !chosen.was_refused) {
     OutputFile file(request.out);
     file.stream() << resolved_scene(choice, scene);
     file.close();
@@ -192,7 +192,7 @@ bool check_scene_of(const CheckRequest& request) {
     Json json = json_of_check(scene, warnings, findings);
     if (tried) json["trial"] = json_of(*tried);
     fmt::print("{}\n", text_of(json, 2));
-    return scene.obstacles.empty();
+    return scene.obstacles.empty() && !(tried && tried->was_refused);
   }
   fmt::print("scene {}: {} (preset {})\n", scene.name, scene.title, scene.preset.empty() ? "none" : scene.preset);
   print_meshes(scene);
@@ -201,18 +201,19 @@ bool check_scene_of(const CheckRequest& request) {
   for (const EffectReach& reach : effect_reaches(scene)) {
     fmt::print("effect {} acts on: {}\n", reach.effect, reach.text());
   }
+  print_verdict(scene, warnings, findings);
+  if (request.trial && !tried) fmt::print("no trial: the scene can't be run\n");
   if (tried) {
     for (const std::string& line : lines_of(scene, *tried)) fmt::print("{}\n", line);
-    return true;
+    return !tried->was_refused;
   }
-  print_verdict(scene, warnings, findings);
   return scene.obstacles.empty();
 }
 
 /// Of a mesh there is its report only.
 void check_mesh_of(const CheckRequest& request) {
-  if (request.json || request.trial || !request.backend.backend.empty() || !request.scene.preset.empty() ||
-      !request.safe_steps.empty()) {
+  if (request.json || request.trial || !request.out.empty() || !request.wanted.empty() ||
+      !request.backend.backend.empty() || !request.scene.preset.empty() || !request.safe_steps.empty()) {
     throw InputError(request.scene.scene,
                      "is a mesh; --json, --trial, --preset, --backend and --safe-step are for scenes; leave them out");
   }

@@ -24,9 +24,9 @@ EffectChoice choose_effects_with_progress(Scene& scene, const SearchOptions& opt
   const int frames = scene.loop.frames;
   return choose_effects(
       scene,
-      [&](const Scene& tried, const ShowsEnough& shows_enough, const std::string& what) {
+      [&](const Scene& tried, const TrialRequest& request, const std::string& what) {
         Progress progress(progress_style(false), fmt::format("trial of {}: {}", scene.name, what), frames);
-        return try_effects(tried, shows_enough, [&](int done) { progress.show(done); });
+        return try_effects(tried, request, [&](int done) { progress.show(done); });
       },
       options);
 }
@@ -64,14 +64,14 @@ std::string wanted_in_words(const Wanted& wanted) {
                                   1e3 * wanted.surface_m, 100 * wanted.volume_share,
                                   wanted.nothing_passes ? "nothing passes" : "no nodes and 1 % of the triangles pass",
                                   1e3 * wanted.returned_m);
-  if (wanted.moment_arm_m) words += fmt::format(", moment arms within {:g} mm", 1e3 * *wanted.moment_arm_m);
+  if (wanted.moment_arm_m) words += ", fibres under tension";
   return words;
 }
 
 std::string line_of(const TriedSet& tried) {
   return fmt::format("  {}{}: {} [{:.2g} s]", tried.change.empty() ? "as it is" : tried.change,
-                     tried.trial.was_stopped ? fmt::format(" (ended in frame {})", tried.trial.frames) : "",
-                     tried.verdict, 1e-9 * static_cast<double>(tried.trial.cpu_ns));
+                     tried.was_stopped ? fmt::format(" (ended in frame {})", tried.frames) : "", tried.verdict,
+                     1e-9 * static_cast<double>(tried.cpu_ns));
 }
 
 }  // namespace

@@ -47,10 +47,10 @@ Json json_of(const EffectChoice& choice) {
   for (const TriedSet& each : choice.tried) {
     tried.push_back({{"change", each.change},
                      {"verdict", each.verdict},
-                     {"stopped", each.trial.was_stopped},
-                     {"frames", each.trial.frames},
-                     {"cpu_ns", each.trial.cpu_ns},
-                     {"figures", json_of(each.trial.figures)}});
+                     {"stopped", each.was_stopped},
+                     {"frames", each.frames},
+                     {"cpu_ns", each.cpu_ns},
+                     {"figures", json_of(each.figures)}});
   }
   return {{"added_effects", json_of(choice.added)},
           {"needless", choice.needless},

@@ -54,6 +54,7 @@ constexpr auto own_keys = std::to_array<ManifestKey>({
     everywhere("case.effects.*.*", "", "parameters of each effect"),
     everywhere("case.loop.*", "", "parameters of the loop"),
     everywhere("case.meshes.*", "", "how often triangles were split in four"),
+    of_run("case.wanted.*", "", "what the scene or the command line asks of the run, where it does"),
     of_run("case.face_contact.backend", "", "that answers for faces, where it is not the exact distance"),
     of_run("case.face_contact.parameters.*", "", "of it, as resolved"),
     everywhere("case.muscle_contact[].muscles[]", "", "two that touch each other"),

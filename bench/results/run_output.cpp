@@ -36,6 +36,8 @@ Json json_of_run(const RunCase& run) {
   json["pruning"] = run.prune;
   if (run.scene.fibre_count > 0) json["fibres"] = run.scene.fibre_count;
   if (run.forces) json["forces"] = true;
+  for (const auto& [key, value] : run.scene.wanted.own_values)
+    std::visit([&, &name = key](const auto& held) { json["wanted"][name] = held; }, value);
   return json;
 }
 

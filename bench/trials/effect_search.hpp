@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,40 +11,43 @@ namespace musclebench {
 
 /// One run of a search, and what followed from it.
 struct TriedSet {
-  std::string change;   ///< "+ surface_contact", "- bending"; empty: the set as it was
-  std::string verdict;  ///< what its figures say
-  EffectTrial trial;
+  std::string change;  ///< "+ surface_contact", "- bending"; empty: the set as it was
+  std::string verdict;
+  std::vector<RequiredFigure> figures = {};
+  bool was_stopped = false;
+  int frames = 0;
+  Nanoseconds cpu_ns = 0;
 };
 
 /// What a search found.
 struct EffectChoice {
   std::vector<AddedEffect> added;       ///< what the scene takes beside its own
-  std::vector<std::string> needless;    ///< own effects without which no figure changes, with figures
+  std::vector<std::string> needless;    ///< own effects without which no figure gets worse, with figures
   std::vector<RequiredFigure> figures;  ///< of the scene with what was added
-  std::vector<std::string> unmet;       ///< what does not hold, and what was tried
+  std::vector<std::string> unmet;       ///< what does not hold in it, and what was tried
   std::vector<TriedSet> tried;          ///< in order
+  bool was_refused = false;             ///< the scene could not be run; `unmet` says why
   Nanoseconds cpu_ns = 0;
 
   [[nodiscard]] bool holds() const { return unmet.empty(); }
 };
 
-/// Runs a scene, as `try_effects`.
-using TryScene =
-    std::function<EffectTrial(const Scene& scene, const ShowsEnough& shows_enough, const std::string& what)>;
+/// Runs a scene, as `try_effects`; `what` is for progress.
+using TryScene = std::function<EffectTrial(const Scene& scene, const TrialRequest& request, const std::string& what)>;
 
 struct SearchOptions {
   bool looks_for_needless = false;  ///< also runs the scene without each effect of its own
+  bool judges_the_end = false;      ///< judges all frames of what was found, and goes on if they show more
 };
 
 /// Looks for the effects that `scene` takes to hold what it wants (`[wanted]`), and adds them to it.
 ///
-/// What the checker's rules about effects ask for is added at once. Then the scene is run. While it does not hold a
-/// requirement, each effect with a remedy for it is tried, and contact between muscles that meet: first what the
-/// checker's rules advise, then in the order of the registry, which is that of cost. The first with which the
-/// requirement holds stays; where there is none, the one that halves the excess, if no other requirement suffers. In
-/// the end each addition is left out once, and stays only if something then does not hold or, if a rule asked for it,
-/// the shape is another. What the scene names stays, what it keeps out stays out. Deterministic: neither times nor
-/// threads decide.
+/// What the checker's quick rules ask for is added at once; what the checker added before is taken away. Then the scene
+/// is run. While it does not hold a requirement, each addition that may help is tried (additions_for). The first that
+/// holds it and spoils nothing stays. If there is none, that stays which gains most: it has to halve the excess, and
+/// may spoil others by half of that at most. In the end each addition is left out once, and stays only if something
+/// then is worse or, if a rule asked for it, the shape is another. What the scene names stays, what it keeps out stays
+/// out. Deterministic: neither times nor threads decide.
 EffectChoice choose_effects(Scene& scene, const TryScene& try_scene, const SearchOptions& options = {});
 
 }  // namespace musclebench

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include <fmt/format.h>
+
 #include "backends/registry.hpp"
 #include "bench/cases/run_case.hpp"
 #include "core/base/input_error.hpp"
@@ -28,28 +30,56 @@ bool has_free_muscles(const Scene& scene) {
 }
 
 /// Evenly over the motion, with its turn and its end; empty: all.
-std::vector<int> judged_frames(const Scene& scene) {
+std::vector<int> judged_frames(const Scene& scene, const TrialRequest& request) {
   const int frames = scene.loop.frames;
   const std::size_t size = scene.muscle_mesh.vertices.size() * static_cast<std::size_t>(frames);
-  if (size <= small_scene || has_free_muscles(scene)) return {};
+  if (request.judges_all_frames || size <= small_scene || has_free_muscles(scene)) return {};
   std::set<int> judged{middle_frame(scene), frames};
   for (int i = 1; i <= sparsely_judged; ++i) judged.insert(frames * i / sparsely_judged);
   return {judged.begin(), judged.end()};
 }
 
-EffectTrial run_once(const Scene& scene, const ShowsEnough& shows_enough, const std::function<void(int)>& report) {
+/// Why the scene can't be moved with exact depths; empty: it can.
+std::string refusal_of(const Scene& scene) {
+  const bool backtracks = scene.response == ResponseKind::backtrack ||
+                          std::ranges::any_of(scene.bone_contacts, [](const SceneBoneContact& contact) {
+                            return contact.response == ResponseKind::backtrack;
+                          });
+  return backtracks
+             ? "trial runs move nodes out of bones by exact depths, and the scene has the response 'backtrack': take "
+               "it out for the trial"
+             : "";
+}
+
+/// As `--for`: what a scene chooses for a bone is not asked.
+std::vector<std::string> exact_where_the_scene_chooses(const Scene& scene, const BackendEntry& exact) {
+  std::vector<std::string> colliders;
+  for (std::size_t i = 0; i < scene.bone_contacts.size(); ++i) {
+    if (scene.bone_contacts[i].backend.name.empty()) continue;
+    const std::size_t muscle = i / scene.bones.size();
+    const std::string& bone = scene.bones[i % scene.bones.size()].name;
+    colliders.push_back(fmt::format("{}/{}={}", scene.muscles[muscle].body.name, bone, exact.name));
+  }
+  return colliders;
+}
+
+EffectTrial run_once(const Scene& scene, const TrialRequest& request, const std::function<void(int)>& report) {
   const BackendEntry& backend = exact_backend();
   RunCase run{{scene, backend, Parameters(backend.parameters, {}, backend.name)}};
-  run.colliders = choose_collider_backends({}, scene, backend);
+  run.colliders = choose_collider_backends(exact_where_the_scene_chooses(scene, backend), scene, backend);
   run.responses = choose_responses("", scene, backend, run.parameters, run.colliders);
   require_what_effects_need(scene, backend, run.parameters, run.responses, run.colliders);
-  run.judged_frames = judged_frames(scene);
+  run.judged_frames = judged_frames(scene, request);
+  // Frames that are left out pay for the others. Where none is, a trial finds what the judge of a run finds.
+  if (!run.judged_frames.empty()) run.judging_effort = scene.loop.frames / static_cast<long>(run.judged_frames.size());
   run.keeps_shared = true;
   run.snapshots = {middle_frame(scene)};
   run.keep_surface_depths = false;
-  run.has_seen_enough = [&](const StepRecord& frame, const MuscleAtRest& rest) {
-    return std::ranges::any_of(figures_of_frame(scene, frame, rest), shows_enough);
-  };
+  if (request.shows_enough) {
+    run.has_seen_enough = [&](const StepRecord& frame, const MuscleAtRest& rest) {
+      return std::ranges::any_of(figures_of_frame(scene, frame, rest), request.shows_enough);
+    };
+  }
   const RunResult result = run_case(run, [&](int done) {
     if (report) report(done);
   });
@@ -57,6 +87,7 @@ EffectTrial run_once(const Scene& scene, const ShowsEnough& shows_enough, const 
   trial.figures = figures_of_run(scene, result);
   trial.arms = arm_course(result.fibres);
   trial.was_stopped = result.status == "interrupted";
+  trial.judged_all_frames = run.judged_frames.empty();
   trial.frames = static_cast<int>(result.records.size());
   for (const Snapshot& snapshot : result.snapshots) trial.shapes.push_back(snapshot.positions);
   if (!result.end_positions.empty()) trial.shapes.push_back(result.end_positions);
@@ -65,11 +96,12 @@ EffectTrial run_once(const Scene& scene, const ShowsEnough& shows_enough, const 
 
 }  // namespace
 
-EffectTrial try_effects(const Scene& scene, const ShowsEnough& shows_enough, const std::function<void(int)>& report) {
+EffectTrial try_effects(const Scene& scene, const TrialRequest& request, const std::function<void(int)>& report) {
   const Nanoseconds start_ns = process_cpu_ns();
   EffectTrial trial;
+  trial.refusal = refusal_of(scene);
   try {
-    trial = run_once(scene, shows_enough, report);
+    if (trial.refusal.empty()) trial = run_once(scene, request, report);
   } catch (const InputError& refused) {
     trial.refusal = refused.what();
   }

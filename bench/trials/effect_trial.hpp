@@ -18,19 +18,25 @@ struct EffectTrial {
   ArmCourse arms = {};                    ///< where the scene has fibres to follow
   std::string refusal = {};               ///< why the scene can't be run with these effects; empty: it was
   bool was_stopped = false;               ///< it had shown enough before its end
+  bool judged_all_frames = false;
   int frames = 0;
   Nanoseconds cpu_ns = 0;
 
   [[nodiscard]] bool is_whole() const { return refusal.empty() && !was_stopped; }
 };
 
-/// Whether a figure of a frame shows enough of a trial.
+/// Whether a figure of a frame shows enough of a trial; empty: none does.
 using ShowsEnough = std::function<bool(const RequiredFigure& of_frame)>;
 
-/// Moves the muscles of `scene` with exact contacts. Nodes are followed through all frames; surfaces and triangles are
-/// judged in some twenty, in all where the scene is small or nothing holds a muscle. Deterministic. `report` may be
-/// empty.
-EffectTrial try_effects(const Scene& scene, const ShowsEnough& shows_enough,
+struct TrialRequest {
+  ShowsEnough shows_enough = {};
+  bool judges_all_frames = false;
+};
+
+/// Moves the muscles of `scene` with exact contacts, whatever backends it names. Nodes are followed through all frames;
+/// surfaces and triangles are judged in some twenty, in all where that is asked for, the scene is small, or nothing
+/// holds a muscle. Deterministic. `report` may be empty.
+EffectTrial try_effects(const Scene& scene, const TrialRequest& request,
                         const std::function<void(int frames_done)>& report);
 
 }  // namespace musclebench

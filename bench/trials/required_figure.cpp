@@ -85,9 +85,12 @@ class FrameFigures {
          fmt::format("{} in {}", muscle(bodies.muscle), muscle(bodies.other))});
   }
 
+  /// Where the Referee could not look everywhere, the bound that is left counts: a depth below it can't be excluded.
   void add_surfaces() {
-    add_bone_depth(m_frame.surface_depth_m, m_frame.surface_bodies);
-    add_bone_depth(m_frame.bone_vertex_depth_m, m_frame.bone_vertex_bodies);
+    const bool is_known = m_frame.judgement_complete;
+    add_bone_depth(is_known ? m_frame.surface_depth_m : m_frame.surface_depth_bound_m, m_frame.surface_bodies);
+    add_bone_depth(is_known ? m_frame.bone_vertex_depth_m : m_frame.bone_vertex_depth_bound_m,
+                   m_frame.bone_vertex_bodies);
     add_bone_depth(m_frame.thin_bone_depth_m, m_frame.thin_bone_bodies);
     if (m_frame.in_muscles) add_muscle_depth(m_frame.muscle_surface_depth_m, m_frame.muscle_surface_bodies);
   }
@@ -134,7 +137,7 @@ bool comes_back(const Scene& scene) {
   scene.poses_at(0, first);
   scene.poses_at(scene.loop.frames, last);
   if (!std::ranges::equal(first, last, is_same)) return false;
-  return scene.wanted.asks_for_return || std::ranges::any_of(scene.motions, &BoneMotion::turns);
+  return asks_for(scene.wanted, Requirement::returned_shape) || std::ranges::any_of(scene.motions, &BoneMotion::turns);
 }
 
 void add_slack(const Scene& scene, const RunResult& run, std::vector<RequiredFigure>& figures) {
@@ -190,8 +193,10 @@ std::string RequiredFigure::text() const {
   const std::string wanted = fmt::format(" ({}wanted {})", moment, at_limit.value_text());
   switch (requirement) {
     case Requirement::whole_surface:
+      if (std::isinf(value)) return fmt::format("the run diverges{}", wanted);
       return fmt::format("one edge of a hundred is {} as long as at rest, or longer{}", value_text(), wanted);
     case Requirement::volume:
+      if (std::isinf(value)) return fmt::format("{} is turned inside out{}", where, wanted);
       return fmt::format("the volume of {} is off by {}{}", where, value_text(), wanted);
     case Requirement::taut_fibres:
       return fmt::format("the fibres of {} are {} shorter than at rest, and nothing pulls on them{}", where,
@@ -236,14 +241,16 @@ std::vector<RequiredFigure> figures_of_run(const Scene& scene, const RunResult& 
          run.outcome.when_volume});
   }
   if (!run.end_positions.empty() && comes_back(scene)) {
+    const LargestDistance moved = largest_rms_distance(scene.bodies(), run.start_positions, run.end_positions);
     figures.push_back({Requirement::returned_shape,
-                       largest_rms_distance_m(scene.bodies(), run.start_positions, run.end_positions),
+                       moved.distance_m,
                        scene.wanted.returned_m,
-                       scene.muscle_names(),
+                       scene.muscles[moved.body].body.name,
                        {scene.loop.frames, 0}});
   }
   add_slack(scene, run, figures);
-  figures.push_back({Requirement::trusted_run, run.status == "suspect" ? 1.0 : 0.0, 0, run.status_detail});
+  figures.push_back({Requirement::trusted_run, run.status == "suspect" || run.status == "diverged" ? 1.0 : 0.0, 0,
+                     run.status_detail});
   std::ranges::sort(figures, {}, &RequiredFigure::requirement);
   return figures;
 }
@@ -253,16 +260,18 @@ const RequiredFigure* find_figure(std::span<const RequiredFigure> figures, Requi
   return found == figures.end() ? nullptr : &*found;
 }
 
-double largest_rms_distance_m(std::span<const Body> bodies, std::span<const Vec3> from, std::span<const Vec3> to) {
-  double largest_m2 = 0;
-  for (const Body& body : bodies) {
+LargestDistance largest_rms_distance(std::span<const Body> bodies, std::span<const Vec3> from,
+                                     std::span<const Vec3> to) {
+  LargestDistance largest;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
     double squares_m2 = 0;
-    for (int node = body.first_node; node < body.last_node; ++node) {
+    for (int node = bodies[i].first_node; node < bodies[i].last_node; ++node) {
       squares_m2 += (to[static_cast<std::size_t>(node)] - from[static_cast<std::size_t>(node)]).squaredNorm();
     }
-    largest_m2 = std::max(largest_m2, squares_m2 / (body.last_node - body.first_node));
+    const double distance_m = std::sqrt(squares_m2 / (bodies[i].last_node - bodies[i].first_node));
+    if (distance_m > largest.distance_m) largest = {i, distance_m};
   }
-  return std::sqrt(largest_m2);
+  return largest;
 }
 
 }  // namespace musclebench

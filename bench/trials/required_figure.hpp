@@ -38,7 +38,12 @@ std::vector<RequiredFigure> figures_of_run(const Scene& scene, const RunResult& 
 /// The figure of a requirement; nothing where the scene has not that.
 const RequiredFigure* find_figure(std::span<const RequiredFigure> figures, Requirement requirement);
 
-/// RMS distance of the nodes of each muscle between two shapes: of the muscle in which it is largest, m.
-double largest_rms_distance_m(std::span<const Body> bodies, std::span<const Vec3> from, std::span<const Vec3> to);
+/// RMS distance of the nodes of each muscle between two shapes, of the muscle in which it is largest.
+struct LargestDistance {
+  std::size_t body = 0;
+  double distance_m = 0;
+};
+LargestDistance largest_rms_distance(std::span<const Body> bodies, std::span<const Vec3> from,
+                                     std::span<const Vec3> to);
 
 }  // namespace musclebench

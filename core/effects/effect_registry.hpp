@@ -64,8 +64,7 @@ struct EffectEntry {
   std::function<void(ContactProperties&, const Parameters&)> set_contacts = {};
   bool needs_normals = false;     ///< of contacts with bones
   bool needs_projection = false;  ///< the response that moves nodes by their depths
-  /// What it helps a run to hold. None: it is a part of what a scene asks about, such as a load, and nobody adds it for
-  /// the scene.
+  /// What it helps a run to hold. None: it is a part of what a scene asks about, such as a load, and no trial adds it.
   std::vector<Remedy> remedies = {};
 };
 

@@ -370,7 +370,8 @@ void read_wanted(const SceneRequest& request, const std::optional<TomlTable>& ow
   scene.wanted = wanted_from(with_overrides(wanted_parameters(), checked(wanted_parameters(), std::nullopt, own),
                                             request.wanted_overrides, "--wanted"));
   scene.wanted.is_given = own || !request.wanted_overrides.empty();
-  scene.wanted.asks_for_return = (own && own->has("returns_mm")) || request.wanted_overrides.contains("returns_mm");
+  if (own) scene.wanted.own_values = own->values();
+  for (const auto& [name, value] : request.wanted_overrides) scene.wanted.own_values[name] = value;
 }
 
 void require_motion(const SceneRequest& request, const std::optional<TomlTable>& own, const LoopParameters& loop) {

@@ -33,8 +33,8 @@ std::string status_of(const Scene& scene) {
   }
 }
 
-EffectTrial tried(const Scene& scene, const ShowsEnough& shows_enough, const std::string& /*what*/) {
-  return try_effects(scene, shows_enough, {});
+EffectTrial tried(const Scene& scene, const TrialRequest& request, const std::string& /*what*/) {
+  return try_effects(scene, request, {});
 }
 
 /// Effects each of which alone makes the scene `ok`.

@@ -142,6 +142,7 @@ TEST(ResultsSchema, HoldsForARun) {
   run.snapshots = {0, 2};
   run.count_self_intersections = true;
   run.forces = true;
+  scene.wanted.own_values = {{"surface_mm", 0.1}};
   run.colliders.of_faces = BackendChoice{&run.backend, run.parameters};
   RunResult result = result_of(run);
   add_fibres(scene, result);

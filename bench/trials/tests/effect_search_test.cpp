@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "bench/cases/tests/pressed_ball.hpp"
+#include "core/scene/check/auto_effects.hpp"
 #include "core/scene/read_scene.hpp"
 
 namespace musclebench {
@@ -47,21 +49,20 @@ std::vector<std::string> names_of(const std::vector<AddedEffect>& added) {
 }
 
 EffectChoice searched(Scene& scene, const MadeUp& made_up, bool looks_for_needless = false) {
-  return choose_effects(scene,
-                        [&](const Scene& tried, const ShowsEnough& shows_enough, const std::string& /*what*/) {
-                          EffectTrial trial;
-                          trial.figures = made_up(tried);
-                          trial.was_stopped = std::ranges::any_of(trial.figures, [&](const RequiredFigure& each) {
-                            return each.requirement != Requirement::volume &&
-                                   shows_enough(each);  // a volume is told by the whole run
-                          });
-                          trial.shapes = {std::vector<Vec3>(tried.muscle_mesh.vertices.size(), Vec3::Zero())};
-                          if (has_effect(tried, "gravity"))
-                            trial.shapes.front().assign(trial.shapes.front().size(), Vec3(0, 0, 1));
-                          trial.cpu_ns = 1;
-                          return trial;
-                        },
-                        {looks_for_needless});
+  const TryScene run = [&](const Scene& tried, const TrialRequest& request, const std::string& /*what*/) {
+    EffectTrial trial;
+    trial.figures = made_up(tried);
+    trial.was_stopped = std::ranges::any_of(trial.figures, [&](const RequiredFigure& each) {
+      // A volume is told by the whole run.
+      return each.requirement != Requirement::volume && request.shows_enough && request.shows_enough(each);
+    });
+    trial.shapes = {std::vector<Vec3>(tried.muscle_mesh.vertices.size(), Vec3::Zero())};
+    if (has_effect(tried, "gravity")) trial.shapes.front().assign(trial.shapes.front().size(), Vec3(0, 0, 1));
+    trial.cpu_ns = 1;
+    trial.judged_all_frames = true;
+    return trial;
+  };
+  return choose_effects(scene, run, {.looks_for_needless = looks_for_needless});
 }
 
 double depth_m(const Scene& scene, const std::string& remedy, double with_m) {
@@ -156,7 +157,8 @@ TEST(EffectSearch, WhatHelpsInPartStaysAndTheRestIsTold) {
   EXPECT_EQ(names_of(choice.added), (Names{"surface_contact", "multi_bone"}));  // the checker advises the first
   ASSERT_EQ(choice.unmet.size(), 1U);
   EXPECT_NE(choice.unmet.front().find("0.32 mm deep"), std::string::npos) << choice.unmet.front();
-  EXPECT_NE(choice.unmet.front().find("no_passage leaves 0.32 mm or more"), std::string::npos) << choice.unmet.front();
+  EXPECT_NE(choice.unmet.front().find("no_passage, which was ended in frame 0, leaves 0.32 mm"), std::string::npos)
+      << choice.unmet.front();
 }
 
 TEST(EffectSearch, WhatTheSceneKeepsOutStaysOut) {
@@ -194,6 +196,110 @@ TEST(EffectSearch, MusclesThatMeetGetContact) {
   EXPECT_EQ(scene.muscle_pairs.size(), 1U);
 }
 
+/// The order of the muscles is no matter.
+TEST(EffectSearch, AllPairsAreTriedWhereTheCheckerExpectsNone) {
+  std::string three = two_balls;
+  three.erase(three.find("[contact]"));
+  three += "[[muscle]]\nname = \"far\"\nmesh = \"synthetic:other\"\ntranslate_m = [0.5, 0, 0]\n";
+  Scene scene = scene_of(whole_ball, three);
+  const EffectChoice choice = searched(scene, [](const Scene& tried) {
+    const bool touch = std::ranges::any_of(tried.muscle_pairs, [](const SceneMusclePair& pair) {
+      return pair.muscles == MusclePair{1, 2};
+    });
+    return std::vector{figure(Requirement::muscle_passage, touch ? 0 : 90, 2)};
+  });
+  EXPECT_EQ(names_of(choice.added), Names{"muscle_contact other far"});
+}
+
+/// Contact that leaves muscles deep in each other mends nothing: nobody had judged that depth before.
+TEST(EffectSearch, WhatAnAdditionBringsWithItCounts) {
+  std::string apart = two_balls;
+  apart.erase(apart.find("[contact]"));
+  Scene scene = scene_of("[effects]\nno_passage = false\n[effects.edge_length]\n[effects.volume]\n", apart);
+  const EffectChoice choice = searched(scene, [](const Scene& tried) {
+    std::vector figures{figure(Requirement::muscle_passage, tried.muscle_pairs.empty() ? 9 : 0, 0)};
+    if (!tried.muscle_pairs.empty()) figures.push_back(figure(Requirement::muscle_depth, 5e-3, 1e-4));
+    return figures;
+  });
+  EXPECT_TRUE(choice.added.empty());
+}
+
+/// Two volumes with two targets can't be: what the scene contradicts is not run.
+TEST(EffectSearch, WhatContradictsTheSceneIsNotRun) {
+  Scene scene = scene_of("[effects.edge_length]\n[effects.volume]\npressure = 1.2\n");
+  const EffectChoice choice = searched(scene, [](const Scene& tried) {
+    return std::vector{figure(Requirement::volume, has_effect(tried, "local_volume") ? 0 : 0.2, 0.01)};
+  });
+  EXPECT_TRUE(choice.added.empty());
+  EXPECT_NE(choice.unmet.front().find("local_volume is not run"), std::string::npos) << choice.unmet.front();
+}
+
+/// A tear that nothing mends is mended by what keeps nodes from passing.
+TEST(EffectSearch, WhatCouldNotBeMendedIsLookedAtAgain) {
+  Scene scene = scene_of(whole_ball);
+  const EffectChoice choice = searched(scene, [](const Scene& tried) {
+    const bool is_guarded = has_effect(tried, "tunnelling_guard");
+    return std::vector{figure(Requirement::whole_surface, is_guarded ? 1 : 9, 3),
+                       figure(Requirement::bone_passage, is_guarded ? 0 : 60, 0)};
+  });
+  EXPECT_EQ(names_of(choice.added), Names{"tunnelling_guard"});
+  EXPECT_TRUE(choice.holds());
+}
+
+/// What is told is of the scene as it was left.
+TEST(EffectSearch, WhatDoesNotHoldIsToldAsItIsInTheEnd) {
+  Scene scene = scene_of(whole_ball);
+  const EffectChoice choice = searched(scene, [](const Scene& tried) {
+    const bool is_guarded = has_effect(tried, "tunnelling_guard");
+    return std::vector{figure(Requirement::whole_surface, is_guarded ? 4 : 9, 3),
+                       figure(Requirement::bone_passage, is_guarded ? 0 : 60, 0)};
+  });
+  ASSERT_EQ(choice.unmet.size(), 1U);
+  EXPECT_NE(choice.unmet.front().find("is 4 times"), std::string::npos) << choice.unmet.front();
+}
+
+/// The few frames that were judged held: all of them show more.
+TEST(EffectSearch, TheEndIsJudgedInAllFrames) {
+  for (const bool judges_the_end : {true, false}) {
+    Scene scene = scene_of(whole_ball);
+    const EffectChoice choice =
+        choose_effects(scene,
+                       [](const Scene& tried, const TrialRequest& request, const std::string&) {
+                         EffectTrial trial;
+                         const bool is_seen = request.judges_all_frames && !has_effect(tried, "surface_contact");
+                         trial.figures = {figure(Requirement::bone_depth, is_seen ? deep_m : 0, 1e-4)};
+                         trial.judged_all_frames = request.judges_all_frames;
+                         return trial;
+                       },
+                       {.judges_the_end = judges_the_end});
+    EXPECT_EQ(names_of(choice.added), judges_the_end ? Names{"surface_contact"} : Names{});
+  }
+}
+
+TEST(EffectSearch, WithoutAShapeNothingIsCalledNeedless) {
+  Scene scene = scene_of("[effects.gravity]\n[effects.edge_length]\n[effects.volume]\n");
+  const EffectChoice choice =
+      choose_effects(scene,
+                     [](const Scene&, const TrialRequest&, const std::string&) {
+                       EffectTrial trial;
+                       trial.figures = {figure(Requirement::whole_surface, std::numeric_limits<double>::infinity(), 3)};
+                       return trial;
+                     },
+                     {.looks_for_needless = true});
+  EXPECT_TRUE(choice.needless.empty());
+  EXPECT_NE(choice.unmet.front().find("the run diverges"), std::string::npos) << choice.unmet.front();
+}
+
+/// A search takes the place of what rules have added.
+TEST(EffectSearch, WhatTheCheckerAddedIsTakenAwayFirst) {
+  Scene scene = scene_of(whole_ball);
+  add_effect(scene, {"surface_contact"}, "surface_contact", "guessed");
+  const EffectChoice choice = searched(
+      scene, [](const Scene&) { return std::vector{figure(Requirement::bone_depth, 0, 1e-4)}; }, true);
+  EXPECT_FALSE(has_effect(scene, "surface_contact"));
+  EXPECT_EQ(choice.needless.size(), 2U);  // of the scene's own
+}
+
 /// Its own effects stay; those that change nothing are named.
 TEST(EffectSearch, OwnEffectsThatChangeNothingAreNamed) {
   Scene scene = scene_of("[effects.gravity]\n[effects.edge_length]\n[effects.volume]\n[effects.bending]\n");
@@ -220,12 +326,12 @@ TEST(EffectSearch, WhatCannotActIsNotRun) {
   const EffectChoice choice =
       searched(scene, [](const Scene&) { return std::vector{figure(Requirement::bone_depth, deep_m, 1e-4)}; });
   EXPECT_EQ(std::ranges::count(changes_of(choice), "+ multi_bone"), 0);
-  EXPECT_NE(choice.unmet.front().find("multi_bone cannot act"), std::string::npos) << choice.unmet.front();
+  EXPECT_NE(choice.unmet.front().find("multi_bone is not run"), std::string::npos) << choice.unmet.front();
 }
 
 TEST(EffectSearch, ASceneThatCannotRunIsToldAndNotSearched) {
   Scene scene = scene_of(whole_ball);
-  const EffectChoice choice = choose_effects(scene, [](const Scene&, const ShowsEnough&, const std::string&) {
+  const EffectChoice choice = choose_effects(scene, [](const Scene&, const TrialRequest&, const std::string&) {
     EffectTrial trial;
     trial.refusal = "no";
     return trial;

@@ -72,6 +72,18 @@ TEST(FiguresOfFrame, TheDeepestOfNodesSurfacesAndVerticesCounts) {
   EXPECT_EQ(found(figures_of_frame(scene, frame, rest_of_two()), Requirement::bone_depth).value, 5e-4);
 }
 
+/// A depth that could not be looked for everywhere is as large as it may be.
+TEST(FiguresOfFrame, WhatAJudgementLeftOpenCountsByItsBound) {
+  const Scene scene = balls();
+  StepRecord frame = judged_frame();
+  frame.surface_depth_m = 5e-5;
+  frame.surface_depth_bound_m = 6e-4;
+  frame.surface_bodies = {0, 0};
+  EXPECT_EQ(found(figures_of_frame(scene, frame, rest_of_two()), Requirement::bone_depth).value, 5e-5);
+  frame.judgement_complete = false;
+  EXPECT_EQ(found(figures_of_frame(scene, frame, rest_of_two()), Requirement::bone_depth).value, 6e-4);
+}
+
 /// A frame that was only followed tells of its nodes and of nothing else.
 TEST(FiguresOfFrame, AFollowedFrameTellsOfItsNodes) {
   const Scene scene = balls();
@@ -145,7 +157,7 @@ TEST(FiguresOfRun, AShapeReturnsWhereBonesDoOrWhereThatIsAskedFor) {
   ASSERT_TRUE(has_return(asked));
   const RequiredFigure figure = found(figures_of_run(asked, run_of(asked, 3e-3)), Requirement::returned_shape);
   EXPECT_NEAR(figure.value, 3e-3, 1e-12);
-  EXPECT_EQ(figure.text(), "ball + other ends 3 mm (RMS) from where it began (frame 6; wanted 1 mm)");
+  EXPECT_EQ(figure.text(), "ball ends 3 mm (RMS) from where it began (frame 6; wanted 1 mm)");
 }
 
 TEST(FiguresOfRun, ADivergedRunHoldsNothingAndAnInvertedOneHasNoVolume) {
@@ -156,6 +168,7 @@ TEST(FiguresOfRun, ADivergedRunHoldsNothingAndAnInvertedOneHasNoVolume) {
   run.outcome.turned_inside_out = true;
   const std::vector<RequiredFigure> figures = figures_of_run(scene, run);
   EXPECT_FALSE(found(figures, Requirement::whole_surface).holds());
+  EXPECT_FALSE(found(figures, Requirement::trusted_run).holds());
   EXPECT_TRUE(std::isinf(found(figures, Requirement::volume).value));
 }
 
@@ -189,7 +202,9 @@ TEST(LargestRmsDistance, IsThatOfTheMuscleThatMovedMost) {
   const std::vector<Body> bodies{{"still", 0, 2, 0, 0}, {"moved", 2, 4, 0, 0}};
   const std::vector<Vec3> from(4, Vec3::Zero());
   const std::vector<Vec3> to{Vec3(0, 0, 0), Vec3(0, 0, 0), Vec3(3, 0, 0), Vec3(0, 4, 0)};
-  EXPECT_NEAR(largest_rms_distance_m(bodies, from, to), std::sqrt(12.5), 1e-12);
+  const LargestDistance largest = largest_rms_distance(bodies, from, to);
+  EXPECT_EQ(largest.body, 1U);
+  EXPECT_NEAR(largest.distance_m, std::sqrt(12.5), 1e-12);
 }
 
 }  // namespace

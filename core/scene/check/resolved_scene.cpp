@@ -148,7 +148,7 @@ std::string resolved_scene_text(const SceneRequest& request, const Scene& scene)
   make_paths_absolute(root, request.folder);
   change_motions(root, request.motion_overrides);
   std::ostringstream text;
-  text << fmt::format("# {}{}, with all effects by name: those of scene and preset, and those that its check added.\n",
+  text << fmt::format("# {}{}, with all effects by name: those of scene and preset, and those that were added.\n",
                       scene.name, scene.preset.empty() ? "" : fmt::format(" (preset {})", scene.preset));
   text << fmt::format("title = {}\n", toml_text_of(ParameterValue(scene.title)));
   if (const auto* word = root.get_as<std::string>("attachment")) {
@@ -160,8 +160,10 @@ std::string resolved_scene_text(const SceneRequest& request, const Scene& scene)
   for (const auto& [key, value] : mesh_values(scene.mesh_splits))
     text << fmt::format("{} = {}\n", key, toml_text_of(value));
   if (scene.fibre_count > 0) text << fmt::format("\n[measure]\nfibres = {}\n", scene.fibre_count);
+  if (scene.wanted.is_given) text << "\n[wanted]\n";
+  for (const auto& [key, value] : scene.wanted.own_values) text << fmt::format("{} = {}\n", key, toml_text_of(value));
   for (const SceneEffect& effect : scene.effects) text << effect_text(scene, effect);
-  for (const char* key : {"wanted", "time_step_change", "contact", "bone", "muscle", "attachment", "pair"})
+  for (const char* key : {"time_step_change", "contact", "bone", "muscle", "attachment", "pair"})
     text << tables_text(root, key);
   text << pair_texts(scene);
   return text.str();

@@ -31,7 +31,8 @@ TEST(Wanted, AreTheUsualLimitsWhereASceneSaysNothing) {
   EXPECT_DOUBLE_EQ(usual.surface_m, 1e-4);
   EXPECT_DOUBLE_EQ(usual.volume_share, 0.01);
   EXPECT_DOUBLE_EQ(usual.returned_m, 2e-3);
-  EXPECT_FALSE(usual.nothing_passes || usual.asks_for_return || usual.moment_arm_m);
+  EXPECT_FALSE(usual.nothing_passes || usual.moment_arm_m);
+  EXPECT_TRUE(usual.own_values.empty());
   EXPECT_TRUE(read_scene(wanting("[wanted]\n")).wanted.is_given);
 }
 
@@ -42,8 +43,10 @@ TEST(Wanted, AreWhatTheSceneSaysAndTheCommandLineOverIt) {
   EXPECT_DOUBLE_EQ(wanted.surface_m, 2.5e-4);
   EXPECT_DOUBLE_EQ(wanted.volume_share, 0.02);
   EXPECT_TRUE(wanted.nothing_passes);
-  EXPECT_FALSE(wanted.asks_for_return);
-  EXPECT_TRUE(read_scene(wanting("[wanted]\nreturns_mm = 2\n")).wanted.asks_for_return);
+  EXPECT_TRUE(asks_for(wanted, Requirement::muscle_depth) && asks_for(wanted, Requirement::volume));
+  EXPECT_TRUE(asks_for(wanted, Requirement::self_passage));
+  EXPECT_FALSE(asks_for(wanted, Requirement::returned_shape) || asks_for(wanted, Requirement::whole_surface));
+  EXPECT_TRUE(asks_for(read_scene(wanting("[wanted]\nreturns_mm = 2\n")).wanted, Requirement::returned_shape));
 }
 
 TEST(Wanted, AreRefusedWhereTheyMeanNothing) {
