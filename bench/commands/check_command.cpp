@@ -135,7 +135,8 @@ void print_attachments(const Scene& scene) {
   }
 }
 
-void print_verdict(const Scene& scene, const std::vector<SceneWarning>& warnings, const Findings& findings) {
+void print_verdict(const Scene& scene, const std::vector<SceneWarning>& warnings, const Findings& findings,
+                   bool is_tried) {
   for (const std::string& obstacle : scene.obstacles) {
     fmt::print("can't be run: {}\n", obstacle);
   }
@@ -148,7 +149,7 @@ void print_verdict(const Scene& scene, const std::vector<SceneWarning>& warnings
   for (const Finding& finding : findings) {
     fmt::print("{}\n", text_of(finding));
   }
-  if (scene.auto_effects.wanted && scene.wanted.is_given) {
+  if (waits_for_trials(scene) && !is_tried) {
     fmt::print("a run looks for effects that hold what is wanted; --trial shows which\n");
   }
   if (warnings.empty() && findings.empty() && scene.obstacles.empty()) {
@@ -158,6 +159,7 @@ void print_verdict(const Scene& scene, const std::vector<SceneWarning>& warnings
 
 /// Runs the scene with the effects that it names and others, and adds those that it takes.
 EffectChoice try_scene(const CheckRequest& request, const SceneChoice& choice, Scene& scene) {
+  scene.warnings = warnings_of(scene);
   EffectChoice chosen = choose_effects_with_progress(scene, {.looks_for_needless = true, .judges_the_end = true});
   if (!request.out.empty() && !chosen.was_refused) {
     OutputFile file(request.out);
@@ -186,6 +188,15 @@ bool check_scene_of(const CheckRequest& request) {
     const Findings beyond = safe_step_findings(read_safe_steps(request.safe_steps), scene, request.backend.backend);
     findings.insert(findings.end(), beyond.begin(), beyond.end());
   }
+  std::error_code no_such_file;
+  if (!request.out.empty() && std::filesystem::equivalent(request.out, choice.scene, no_such_file)) {
+    throw InputError("--out " + request.out, "is the scene itself; give another file");
+  }
+  const std::filesystem::path folder = std::filesystem::path(request.out).parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+    throw InputError("--out " + request.out, "is in a folder that does not exist; make it first");
+  }
+  const Scene before = scene;
   std::optional<EffectChoice> tried;
   if (request.trial && scene.obstacles.empty()) tried = try_scene(request, choice, scene);
   if (request.json) {
@@ -198,10 +209,10 @@ bool check_scene_of(const CheckRequest& request) {
   print_meshes(scene);
   print_overlaps(scene);
   print_attachments(scene);
-  for (const EffectReach& reach : effect_reaches(scene)) {
+  for (const EffectReach& reach : effect_reaches(before)) {
     fmt::print("effect {} acts on: {}\n", reach.effect, reach.text());
   }
-  print_verdict(scene, warnings, findings);
+  print_verdict(before, warnings, findings, request.trial);
   if (request.trial && !tried) fmt::print("no trial: the scene can't be run\n");
   if (tried) {
     for (const std::string& line : lines_of(scene, *tried)) fmt::print("{}\n", line);
@@ -214,8 +225,10 @@ bool check_scene_of(const CheckRequest& request) {
 void check_mesh_of(const CheckRequest& request) {
   if (request.json || request.trial || !request.out.empty() || !request.wanted.empty() ||
       !request.backend.backend.empty() || !request.scene.preset.empty() || !request.safe_steps.empty()) {
-    throw InputError(request.scene.scene,
-                     "is a mesh; --json, --trial, --preset, --backend and --safe-step are for scenes; leave them out");
+    throw InputError(
+        request.scene.scene,
+        "is a mesh; --json, --trial, --wanted, --out, --preset, --backend and --safe-step are for scenes; leave "
+        "them out");
   }
   const TriangleMesh mesh = read_mesh(request.scene.scene);
   print_report(request.scene.scene, mesh);
@@ -254,8 +267,7 @@ void add_check_command(CLI::App& app, int& exit_code) {
   add_effect_options(*command, request->effects);
   command->add_flag(
       "--trial", request->trial,
-      "Run the scene and judge it. Find the effects that it takes to hold what it wants, and those of its own that "
-      "change nothing");
+      "Run the scene and judge it. Add the effects that hold what it wants. Name its own that change nothing");
   add_wanted_option(*command, request->wanted);
   command->add_option("--out", request->out, "With --trial: file for the scene with what was added (default: none)");
   command->add_flag("--json", request->json, "Print warnings and findings as JSON");

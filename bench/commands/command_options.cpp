@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "bench/commands/effect_trials.hpp"
 #include "bench/process/progress.hpp"
 #include "core/base/input_error.hpp"
 #include "core/scene/check/scene_check.hpp"
@@ -62,7 +63,7 @@ Scene load_scene(const SceneOptions& options) {
   Scene scene = load_scene(choice);
   progress.reset();
   scene.warnings = warnings_of(scene);
-  print_warnings(scene.name, scene.warnings);
+  if (!waits_for_trials(scene)) print_warnings(scene.name, scene.warnings);
   for (const AddedEffect& added : scene.auto_effects.added) {
     fmt::print(stderr, "musclebench: {}: added {} [{}]: {}\n", scene.name, added.effect, added.rule, added.reason);
   }

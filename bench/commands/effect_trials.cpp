@@ -31,45 +31,47 @@ EffectChoice choose_effects_with_progress(Scene& scene, const SearchOptions& opt
       options);
 }
 
-namespace {
-
 bool waits_for_trials(const Scene& scene) { return scene.auto_effects.wanted && scene.wanted.is_given; }
-
-}  // namespace
 
 void add_wanted_effects(const SceneChoice& choice, Scene& scene) {
   if (!waits_for_trials(scene)) return;
-  const EffectChoice found = choose_effects_with_progress(scene, {});
+  const EffectChoice found = choose_effects_with_progress(scene, {.judges_the_end = true});
+  if (found.was_refused) throw InputError(scene.file, "no trial can be run: " + found.unmet.front().text());
+  scene.warnings = warnings_of(scene);
+  print_warnings(scene.name, scene.warnings);
   scene.auto_effects.resolved_text = resolved_scene(choice, scene);
   for (const AddedEffect& added : found.added) {
     fmt::print(stderr, "musclebench: {}: added {} [{}]: {}\n", scene.name, added.effect, added.rule, added.reason);
   }
-  for (const std::string& unmet : found.unmet) {
-    scene.warnings.push_back({"wanted", "does not hold: " + unmet});
+  for (const Unmet& unmet : found.unmet) {
+    scene.warnings.push_back({"wanted", "does not hold: " + unmet.text()});
     print_warnings(scene.name, {scene.warnings.back()});
   }
 }
 
 void require_named_effects(const Scene& scene, const std::string& what) {
   if (!waits_for_trials(scene)) return;
-  throw InputError(scene.file, fmt::format("leaves its effects to trial runs, and {} takes named ones: write them with "
-                                           "`musclebench check {} --trial --out FILE.toml`",
-                                           what, scene.file));
+  throw InputError(
+      scene.file,
+      fmt::format(
+          "has no named effects yet, which {} needs: write them with `musclebench check {} --trial --out FILE.toml`",
+          what, scene.file));
 }
 
 namespace {
 
 std::string wanted_in_words(const Wanted& wanted) {
-  std::string words = fmt::format("wanted: surface at most {:g} mm deep, volume within {:g} %, {}, back within {:g} mm",
-                                  1e3 * wanted.surface_m, 100 * wanted.volume_share,
-                                  wanted.nothing_passes ? "nothing passes" : "no nodes and 1 % of the triangles pass",
-                                  1e3 * wanted.returned_m);
+  std::string words =
+      fmt::format("wanted: depth {:g} mm, volume {:g} %, {}, back within {:g} mm", 1e3 * wanted.surface_m,
+                  100 * wanted.volume_share,
+                  wanted.nothing_passes ? "nothing passes" : "no node passes and at most 1 % of triangles",
+                  1e3 * wanted.returned_m);
   if (wanted.moment_arm_m) words += ", fibres under tension";
   return words;
 }
 
 std::string line_of(const TriedSet& tried) {
-  return fmt::format("  {}{}: {} [{:.2g} s]", tried.change.empty() ? "as it is" : tried.change,
+  return fmt::format("  {}{}: {} [{:.2g} s]", tried.change,
                      tried.was_stopped ? fmt::format(" (ended in frame {})", tried.frames) : "", tried.verdict,
                      1e-9 * static_cast<double>(tried.cpu_ns));
 }
@@ -83,7 +85,11 @@ std::vector<std::string> lines_of(const Scene& scene, const EffectChoice& choice
     lines.push_back(fmt::format("added {} [{}]: {}", added.effect, added.rule, added.reason));
   }
   for (const std::string& needless : choice.needless) lines.push_back("needless " + needless);
-  for (const std::string& unmet : choice.unmet) lines.push_back("does not hold: " + unmet);
+  for (const Unmet& unmet : choice.unmet) {
+    lines.push_back("does not hold: " + unmet.what);
+    for (const std::string& tried : unmet.tried) lines.push_back("  tried " + tried);
+    if (unmet.tried.empty()) lines.emplace_back("  no effect that may be added is a remedy");
+  }
   if (choice.holds()) {
     lines.push_back(choice.added.empty() ? "holds all that is wanted as it is"
                                          : "holds all that is wanted with what was added");

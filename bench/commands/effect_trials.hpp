@@ -18,8 +18,12 @@ std::map<std::string, ParameterValue> wanted_overrides(const std::vector<std::st
 /// Searches with progress on standard error.
 EffectChoice choose_effects_with_progress(Scene& scene, const SearchOptions& options);
 
-/// Adds to a scene that asks for effects and says what it wants those that it takes, and tells them on standard error;
-/// what does not hold becomes a warning of the scene. Leaves other scenes alone.
+/// Whether the effects of the scene are left to trial runs: it asks for effects and says what it wants.
+bool waits_for_trials(const Scene& scene);
+
+/// Adds to a scene that asks for effects and says what it wants those that it takes, and tells them and its warnings on
+/// standard error; what does not hold becomes a warning, too. Leaves other scenes alone. Throws InputError where no
+/// trial can be run.
 void add_wanted_effects(const SceneChoice& choice, Scene& scene);
 
 /// Throws InputError for such a scene: `what` would not have the effects that a run has.

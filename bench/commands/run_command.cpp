@@ -183,9 +183,6 @@ int run(RunOptions options) {
   }
   options.scene.choice.wanted_overrides = wanted_overrides(options.wanted);
   Scene scene = load_scene(options.scene);
-  if (!options.wanted.empty() && !scene.auto_effects.wanted) {
-    throw InputError("--wanted", "is for scenes whose effects are chosen: add --effects auto");
-  }
   add_wanted_effects(choice_of(options.scene), scene);
   std::sort(options.snapshots.begin(), options.snapshots.end());
   const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
@@ -258,8 +255,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
   command
       ->add_option_function<std::string>(
           "--effects", [options](const std::string& /*auto*/) { options->scene.choice.auto_effects = true; },
-          "auto: also add the effects that the scene lacks: those that `musclebench check` finds missing or, with "
-          "[wanted] or --wanted, those that trial runs show it takes")
+          "auto: also add the effects that the scene lacks, as `musclebench check` finds. With [wanted] or --wanted, "
+          "trial runs find them")
       ->check(CLI::IsMember({"auto"}));
   add_wanted_option(*command, options->wanted);
   command->add_option("--out", options->out, "Result folder (default: reports/out/runs/raw/<run id>)");

@@ -52,9 +52,11 @@ Json json_of(const EffectChoice& choice) {
                      {"cpu_ns", each.cpu_ns},
                      {"figures", json_of(each.figures)}});
   }
+  Json unmet = Json::array();
+  for (const Unmet& each : choice.unmet) unmet.push_back({{"what", each.what}, {"tried", each.tried}});
   return {{"added_effects", json_of(choice.added)},
           {"needless", choice.needless},
-          {"unmet", choice.unmet},
+          {"unmet", unmet},
           {"figures", json_of(choice.figures)},
           {"tried", tried},
           {"cpu_ns", choice.cpu_ns}};

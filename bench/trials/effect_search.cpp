@@ -53,6 +53,10 @@ double badness(const RequiredFigure& figure) {
   return figure.holds() ? 0 : std::log(std::min(figure.excess(), largest_excess));
 }
 
+bool diverges(const RequiredFigure& figure) {
+  return figure.requirement == Requirement::whole_surface && std::isinf(figure.value);
+}
+
 /// An excess that is not halved is not mended.
 bool is_too_little(const RequiredFigure& broken, const RequiredFigure& mended) {
   return !mended.holds() && mended.excess() > broken.excess() / 2;
@@ -79,14 +83,15 @@ class EffectSearch {
     m_now = attempt("", {});
     if (!m_now.refusal.empty()) {
       m_choice.was_refused = true;
-      m_choice.unmet.push_back(m_now.refusal);
+      m_choice.unmet.push_back({m_now.refusal});
       return std::move(m_choice);
     }
     mend_and_take_away();
     if (options.judges_the_end && !m_now.judged_all_frames) {
       m_judges_all = true;
-      m_now = attempt("", {});
+      m_whole.clear();
       m_given_up.clear();
+      m_now = attempt("", {});
       mend_and_take_away();
     }
     if (options.looks_for_needless) look_for_needless();
@@ -99,9 +104,7 @@ class EffectSearch {
     m_choice.figures = m_now.figures;
     for (const RequiredFigure& figure : m_now.figures) {
       if (figure.holds()) continue;
-      const std::vector<std::string>& tried = m_given_up[figure.requirement];
-      m_choice.unmet.push_back(tried.empty() ? figure.text() + "; no effect that may be added is a remedy"
-                                             : fmt::format("{}; tried: {}", figure.text(), fmt::join(tried, "; ")));
+      m_choice.unmet.push_back({figure.text(), m_given_up[figure.requirement]});
     }
     for (const TriedSet& tried : m_choice.tried) m_choice.cpu_ns += tried.cpu_ns;
     return std::move(m_choice);
@@ -117,8 +120,9 @@ class EffectSearch {
 
   /// Of the scene as it is.
   EffectTrial attempt(const std::string& change, const ShowsEnough& shows_enough) {
-    EffectTrial trial = m_try(m_scene, {shows_enough, m_judges_all}, change.empty() ? "as it is" : change);
-    m_choice.tried.push_back({change, verdict_of(trial), trial.figures, trial.was_stopped, trial.frames, trial.cpu_ns});
+    const std::string what = !change.empty() ? change : m_judges_all ? "what was found, in every frame" : "as it is";
+    EffectTrial trial = m_try(m_scene, {shows_enough, m_judges_all}, what);
+    m_choice.tried.push_back({what, verdict_of(trial), trial.figures, trial.was_stopped, trial.frames, trial.cpu_ns});
     return trial;
   }
 
@@ -139,9 +143,11 @@ class EffectSearch {
     const std::vector<Finding> findings = quick_findings(m_scene);
     std::optional<Mended> best;
     std::vector<std::string> tried;
-    for (const Addition& addition : additions_for(m_scene, broken.requirement, m_advised)) {
+    // What makes a run diverge may be anything, and so may what mends it.
+    const Requirement aim = diverges(broken) ? Requirement::trusted_run : broken.requirement;
+    for (const Addition& addition : additions_for(m_scene, aim, m_advised)) {
       put(before, m_scene);
-      add(m_scene, addition, trial_rule, "without it " + broken.text());
+      add(m_scene, addition, trial_rule, "when it was tried, without it " + broken.text());
       if (const std::string why = refusal_by_rules(m_scene, findings); !why.empty()) {
         tried.push_back(fmt::format("{} is not run: {}", addition.name, why));
         continue;
@@ -179,6 +185,9 @@ class EffectSearch {
 
   /// Of a figure that is worse than now; 0 for others. What nobody judged before held.
   [[nodiscard]] double harm(const RequiredFigure& figure) const {
+    // A run that diverges did not come to what it would have spoilt.
+    const RequiredFigure* surface = find_figure(m_now.figures, Requirement::whole_surface);
+    if (surface != nullptr && diverges(*surface)) return 0;
     const RequiredFigure* now = find_figure(m_now.figures, figure.requirement);
     if (now == nullptr) return badness(figure);
     const double grown = badness(figure) - badness(*now);
@@ -233,25 +242,33 @@ class EffectSearch {
       const bool is_felt = each->rule != trial_rule && !(largest_change_m(trial) <= m_scene.wanted.surface_m);
       if (is_felt || is_needed(trial)) {
         put(before, m_scene);
+        m_choice.tried.back().verdict += ": it stays";
         continue;
       }
+      m_choice.tried.back().verdict += ": it goes";
       m_now = std::move(trial);
       m_last_mending = 0;
+      m_whole.clear();
     }
   }
 
+  /// One after the other, and those before it left out: what two of them do alike is needed once.
   void look_for_needless() {
-    if (m_now.shapes.empty()) return;
+    if (m_now.shapes.size() < 2) return;  // it diverges
+    const EffectSet whole = set_of(m_scene);
     for (const std::string& effect : m_own) {
       const EffectSet before = set_of(m_scene);
       std::erase_if(m_scene.effects, [&](const SceneEffect& each) { return each.name == effect; });
       const EffectTrial trial = attempt_without(effect);
-      put(before, m_scene);
       const double shape_m = largest_change_m(trial);
-      if (is_needed(trial) || !(shape_m <= m_scene.wanted.surface_m)) continue;
+      if (is_needed(trial) || !(shape_m <= m_scene.wanted.surface_m)) {
+        put(before, m_scene);
+        continue;
+      }
       m_choice.needless.push_back(fmt::format(
           "{}: without it no figure gets worse, and the shape moves by {:.2g} mm (RMS)", effect, 1e3 * shape_m));
     }
+    put(whole, m_scene);
   }
 
   EffectTrial attempt_without(const std::string& name) {
@@ -296,6 +313,10 @@ class EffectSearch {
 };
 
 }  // namespace
+
+std::string Unmet::text() const {
+  return tried.empty() ? what : fmt::format("{}; tried: {}", what, fmt::join(tried, "; "));
+}
 
 EffectChoice choose_effects(Scene& scene, const TryScene& try_scene, const SearchOptions& options) {
   return EffectSearch(scene, try_scene).run(options);

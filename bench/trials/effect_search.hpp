@@ -11,7 +11,7 @@ namespace musclebench {
 
 /// One run of a search, and what followed from it.
 struct TriedSet {
-  std::string change;  ///< "+ surface_contact", "- bending"; empty: the set as it was
+  std::string change;  ///< "as it is", "+ surface_contact", "- bending"
   std::string verdict;
   std::vector<RequiredFigure> figures = {};
   bool was_stopped = false;
@@ -19,12 +19,20 @@ struct TriedSet {
   Nanoseconds cpu_ns = 0;
 };
 
+/// A requirement that does not hold in the end.
+struct Unmet {
+  std::string what;                     ///< the figure, or why nothing could be run
+  std::vector<std::string> tried = {};  ///< what each addition left
+
+  [[nodiscard]] std::string text() const;
+};
+
 /// What a search found.
 struct EffectChoice {
   std::vector<AddedEffect> added;       ///< what the scene takes beside its own
-  std::vector<std::string> needless;    ///< own effects without which no figure gets worse, with figures
+  std::vector<std::string> needless;    ///< own effects that together change nothing, with figures
   std::vector<RequiredFigure> figures;  ///< of the scene with what was added
-  std::vector<std::string> unmet;       ///< what does not hold in it, and what was tried
+  std::vector<Unmet> unmet;             ///< in the scene with what was added
   std::vector<TriedSet> tried;          ///< in order
   bool was_refused = false;             ///< the scene could not be run; `unmet` says why
   Nanoseconds cpu_ns = 0;

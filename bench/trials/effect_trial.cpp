@@ -33,7 +33,8 @@ bool has_free_muscles(const Scene& scene) {
 std::vector<int> judged_frames(const Scene& scene, const TrialRequest& request) {
   const int frames = scene.loop.frames;
   const std::size_t size = scene.muscle_mesh.vertices.size() * static_cast<std::size_t>(frames);
-  if (request.judges_all_frames || size <= small_scene || has_free_muscles(scene)) return {};
+  if (request.judges_all_frames || frames <= 2 * sparsely_judged || size <= small_scene || has_free_muscles(scene))
+    return {};
   std::set<int> judged{middle_frame(scene), frames};
   for (int i = 1; i <= sparsely_judged; ++i) judged.insert(frames * i / sparsely_judged);
   return {judged.begin(), judged.end()};

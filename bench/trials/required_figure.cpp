@@ -57,7 +57,7 @@ class FrameFigures {
     return index < 0 ? "a muscle" : m_scene.muscles[static_cast<std::size_t>(index)].body.name;
   }
   [[nodiscard]] std::string bone(int index) const {
-    return index < 0 ? "a bone" : m_scene.bones[static_cast<std::size_t>(index)].name;
+    return index < 0 ? "a bone" : "the " + m_scene.bones[static_cast<std::size_t>(index)].name;
   }
   [[nodiscard]] bool touch(const CrossingPair& pair) const {
     return std::ranges::find(m_rest.touching, std::pair(std::min(pair.muscle, pair.other),
@@ -73,9 +73,12 @@ class FrameFigures {
     if (m_frame.in_muscles) add_muscle_depth(m_frame.in_muscles->max_depth_m, m_frame.in_muscles_bodies);
   }
 
-  void add_bone_depth(double depth_m, const DeepBodies& bodies) {
-    add({Requirement::bone_depth, std::isfinite(depth_m) ? depth_m : 0, m_scene.wanted.surface_m,
-         fmt::format("{} in the {}", muscle(bodies.muscle), bone(bodies.other))});
+  void add_bone_depth(double depth_m, const DeepBodies& bodies, bool is_bound = false) {
+    add({.requirement = Requirement::bone_depth,
+         .value = std::isfinite(depth_m) ? depth_m : 0,
+         .limit = m_scene.wanted.surface_m,
+         .where = fmt::format("{} in {}", muscle(bodies.muscle), bone(bodies.other)),
+         .is_bound = is_bound});
   }
 
   /// No effect can undo what the scene lays into each other: settle_substeps or another place do.
@@ -88,9 +91,10 @@ class FrameFigures {
   /// Where the Referee could not look everywhere, the bound that is left counts: a depth below it can't be excluded.
   void add_surfaces() {
     const bool is_known = m_frame.judgement_complete;
-    add_bone_depth(is_known ? m_frame.surface_depth_m : m_frame.surface_depth_bound_m, m_frame.surface_bodies);
+    add_bone_depth(is_known ? m_frame.surface_depth_m : m_frame.surface_depth_bound_m, m_frame.surface_bodies,
+                   !is_known);
     add_bone_depth(is_known ? m_frame.bone_vertex_depth_m : m_frame.bone_vertex_depth_bound_m,
-                   m_frame.bone_vertex_bodies);
+                   m_frame.bone_vertex_bodies, !is_known);
     add_bone_depth(m_frame.thin_bone_depth_m, m_frame.thin_bone_bodies);
     if (m_frame.in_muscles) add_muscle_depth(m_frame.muscle_surface_depth_m, m_frame.muscle_surface_bodies);
   }
@@ -114,7 +118,7 @@ class FrameFigures {
         add({Requirement::muscle_passage, value, allowed, of + " through " + muscle(pair.other)});
       }
     } else if (m_rest.bones[static_cast<std::size_t>(pair.other)].thickness_m == 0) {
-      add({Requirement::bone_passage, value, allowed, of + " through the " + bone(pair.other)});
+      add({Requirement::bone_passage, value, allowed, of + " through " + bone(pair.other)});
     }
   }
 
@@ -149,8 +153,8 @@ void add_slack(const Scene& scene, const RunResult& run, std::vector<RequiredFig
     const std::vector<double>& lengths_m = course.mean_lengths_m[muscle];
     for (std::size_t frame = 1; frame < lengths_m.size(); ++frame) {
       const double slack = 1 - lengths_m[frame] / lengths_m.front();
-      if (slack <= worst.value) continue;
-      worst.value = slack;
+      if (slack <= worst.value || std::isinf(worst.value)) continue;
+      worst.value = std::isnan(slack) ? std::numeric_limits<double>::infinity() : slack;
       worst.where = scene.muscles[muscle].body.name;
       worst.when = {run.fibres[frame].frame, run.fibres[frame].angle_rad * degrees_per_radian};
     }
@@ -193,12 +197,13 @@ std::string RequiredFigure::text() const {
   const std::string wanted = fmt::format(" ({}wanted {})", moment, at_limit.value_text());
   switch (requirement) {
     case Requirement::whole_surface:
-      if (std::isinf(value)) return fmt::format("the run diverges{}", wanted);
+      if (std::isinf(value)) return "the run diverges";
       return fmt::format("one edge of a hundred is {} as long as at rest, or longer{}", value_text(), wanted);
     case Requirement::volume:
-      if (std::isinf(value)) return fmt::format("{} is turned inside out{}", where, wanted);
+      if (std::isinf(value)) return where + " is turned inside out";
       return fmt::format("the volume of {} is off by {}{}", where, value_text(), wanted);
     case Requirement::taut_fibres:
+      if (std::isinf(value)) return "moment arms cannot be told: no fibres are followed";
       return fmt::format("the fibres of {} are {} shorter than at rest, and nothing pulls on them{}", where,
                          value_text(), wanted);
     case Requirement::bone_passage:
@@ -207,7 +212,7 @@ std::string RequiredFigure::text() const {
       return fmt::format("{} {}{}", value_text(), where.empty() ? "triangles through their muscle" : where, wanted);
     case Requirement::bone_depth:
     case Requirement::muscle_depth:
-      return fmt::format("{} is {} deep{}", where, value_text(), wanted);
+      return fmt::format("{} {} {} deep{}", where, is_bound ? "may be" : "is", value_text(), wanted);
     case Requirement::trusted_run:
       return "the run is suspect: " + where;
     case Requirement::returned_shape:

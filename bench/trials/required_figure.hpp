@@ -19,6 +19,7 @@ struct RequiredFigure {
   double limit = 0;        ///< the largest that holds
   std::string where = {};  ///< "iliacus", "iliacus in the femur"
   Moment when = {};
+  bool is_bound = false;  ///< a depth that could not be excluded: not all was looked at
 
   [[nodiscard]] bool holds() const { return value <= limit; }
   /// How far beyond the limit, as a factor: 1 at the limit. Where nothing is allowed, one more than the value.

@@ -80,7 +80,7 @@ void read_measure(const SceneRequest& request, const std::optional<TomlTable>& t
     scene.fibres_are_required = request.fibres->is_required;
   }
   std::string location = request.fibres ? request.fibres->option : table ? table->location("fibres") : "";
-  if (scene.fibre_count == 0 && scene.wanted.moment_arm_m) {
+  if (scene.fibre_count == 0 && scene.wanted.moment_arm_m && !request.fibres) {
     scene.fibre_count = fibres_for_arms;
     location = "wanted.moment_arm_mm";
   }

@@ -20,24 +20,22 @@ ParameterSpec length_mm(const char* name, double default_mm, double least_mm, co
 
 std::vector<ParameterSpec> wanted_parameters() {
   const Wanted usual;
-  return {
-      length_mm("surface_mm", mm_per_m * usual.surface_m, 1e-6,
-                "how deep a point of a muscle may be in a bone or in another muscle"),
-      parameter::number({.name = "volume_percent",
-                         .unit = "%",
-                         .default_value = 100 * usual.volume_share,
-                         .minimum = 1e-9,
-                         .maximum = 1e6,
-                         .help = "how far a muscle's volume may be off its target"}),
-      parameter::flag({.name = "nothing_passes",
-                       .default_value = usual.nothing_passes,
-                       .help = "no triangle passes through its own muscle or another one; false: one of a hundred "
-                               "may"}),
-      length_mm("returns_mm", mm_per_m * usual.returned_m, 1e-6,
-                "RMS distance from the start that a muscle may have once its bones are back; if given, also where "
-                "no bone moves"),
-      length_mm("moment_arm_mm", 0, 0,
-                "asks for fibres under tension, and keeps what changes a moment arm by more; 0: arms are not wanted")};
+  return {length_mm("surface_mm", mm_per_m * usual.surface_m, 1e-6,
+                    "how deep a point of a muscle may be in a bone or in another muscle"),
+          parameter::number({.name = "volume_percent",
+                             .unit = "%",
+                             .default_value = 100 * usual.volume_share,
+                             .minimum = 1e-9,
+                             .maximum = 1e6,
+                             .help = "how far a muscle's volume may be off its target"}),
+          parameter::flag({.name = "nothing_passes",
+                           .default_value = usual.nothing_passes,
+                           .help = "no triangle passes through its own muscle or another one; false: one of a hundred "
+                                   "may"}),
+          length_mm("returns_mm", mm_per_m * usual.returned_m, 1e-6,
+                    "how far (RMS) a muscle may end from where it began, once its bones are back"),
+          length_mm("moment_arm_mm", 0, 0,
+                    "largest change of a moment arm (RMS); fibres then have to be taut. 0: not wanted")};
 }
 
 bool asks_for(const Wanted& wanted, Requirement requirement) {

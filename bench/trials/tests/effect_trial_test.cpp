@@ -83,6 +83,15 @@ TEST(EffectTrial, ASceneThatBacktracksIsRefused) {
   EXPECT_NE(try_effects(scene, {}, {}).refusal.find("backtrack"), std::string::npos);
 }
 
+/// Of a large scene with few frames, all are judged, and with no smaller budget.
+TEST(EffectTrial, FewFramesAreAllJudged) {
+  SceneChoice choice;
+  choice.scene = "synthetic/iliacus";
+  choice.loop_overrides = {{"frames", std::int64_t{19}}};
+  const EffectTrial trial = try_effects(load_scene(choice), {}, {});
+  EXPECT_TRUE(trial.judged_all_frames);
+}
+
 /// Of these an effect is missing, which the search finds, or one that does as well.
 struct Missing {
   std::string effect;
