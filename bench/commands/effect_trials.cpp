@@ -35,7 +35,7 @@ bool waits_for_trials(const Scene& scene) { return scene.auto_effects.wanted && 
 
 void add_wanted_effects(const SceneChoice& choice, Scene& scene) {
   if (!waits_for_trials(scene)) return;
-  const EffectChoice found = choose_effects_with_progress(scene, {.judges_the_end = true});
+  const EffectChoice found = choose_effects_with_progress(scene, {});  // the run itself judges all frames
   if (found.was_refused) throw InputError(scene.file, "no trial can be run: " + found.unmet.front().text());
   scene.warnings = warnings_of(scene);
   print_warnings(scene.name, scene.warnings);
