@@ -78,7 +78,6 @@ class EffectSearch {
   EffectChoice run(const SearchOptions& options) {
     for (const AddedEffect& added : set_of(m_scene).added) remove_added(m_scene, added.effect);
     for (const SceneEffect& effect : m_scene.effects) m_own.push_back(effect.name);
-    m_advised = check_scene(m_scene);
     add_what_rules_ask_for();
     m_now = attempt("", {});
     if (!m_now.refusal.empty()) {
@@ -145,7 +144,9 @@ class EffectSearch {
     std::vector<std::string> tried;
     // What makes a run diverge may be anything, and so may what mends it.
     const Requirement aim = diverges(broken) ? Requirement::trusted_run : broken.requirement;
-    for (const Addition& addition : additions_for(m_scene, aim, m_advised)) {
+    std::vector<Addition> additions = additions_for(m_scene, aim, {});
+    if (!additions.empty()) additions = additions_for(m_scene, aim, advised());
+    for (const Addition& addition : additions) {
       put(before, m_scene);
       add(m_scene, addition, trial_rule, "when it was tried, without it " + broken.text());
       if (const std::string why = refusal_by_rules(m_scene, findings); !why.empty()) {
@@ -173,6 +174,12 @@ class EffectSearch {
     m_now = std::move(best->trial);
     m_whole.clear();
     m_given_up.clear();  // what could not be mended before may be now
+  }
+
+  /// What the checker finds, from geometry: of the scene when it first failed, as that takes a while.
+  const std::vector<Finding>& advised() {
+    if (!m_advised) m_advised = check_scene(m_scene);
+    return *m_advised;
   }
 
   /// One that went to its end for another requirement is not run again.
@@ -305,7 +312,7 @@ class EffectSearch {
   EffectChoice m_choice;
   EffectTrial m_now;               ///< of the scene as it is
   std::vector<std::string> m_own;  ///< effects that the scene names
-  std::vector<Finding> m_advised;  ///< of the scene before anything was added
+  std::optional<std::vector<Finding>> m_advised;
   bool m_judges_all = false;
   std::size_t m_last_mending = 0;                              ///< how many things it added
   std::map<Requirement, std::vector<std::string>> m_given_up;  ///< and what was tried
