@@ -237,15 +237,16 @@ TEST(EffectSearch, WhatContradictsTheSceneIsNotRun) {
       << choice.unmet.front().text();
 }
 
-/// A tear that nothing mends is mended by what keeps nodes from passing.
-TEST(EffectSearch, WhatCouldNotBeMendedIsLookedAtAgain) {
+/// Folds that self_contact mends only once faces are out of the bone, which is looked after later.
+TEST(EffectSearch, WhatCouldNotBeMendedIsTriedAgain) {
   Scene scene = scene_of(whole_ball);
   const EffectChoice choice = searched(scene, [](const Scene& tried) {
-    const bool is_guarded = has_effect(tried, "tunnelling_guard");
-    return std::vector{figure(Requirement::whole_surface, is_guarded ? 1 : 9, 3),
-                       figure(Requirement::bone_passage, is_guarded ? 0 : 60, 0)};
+    const bool is_out = has_effect(tried, "surface_contact");
+    const bool is_unfolded = is_out && has_effect(tried, "self_contact");
+    return std::vector{figure(Requirement::self_passage, is_unfolded ? 0 : 60, 0),
+                       figure(Requirement::bone_depth, is_out ? 0 : deep_m, 1e-4)};
   });
-  EXPECT_EQ(names_of(choice.added), Names{"tunnelling_guard"});
+  EXPECT_EQ(names_of(choice.added), (Names{"surface_contact", "self_contact"}));
   EXPECT_TRUE(choice.holds());
 }
 
