@@ -200,7 +200,7 @@ bool check_scene_of(const CheckRequest& request) {
   std::optional<EffectChoice> tried;
   if (request.trial && scene.obstacles.empty()) tried = try_scene(request, choice, scene);
   if (request.json) {
-    Json json = json_of_check(scene, warnings, findings);
+    Json json = json_of_check(before, warnings, findings);
     if (tried) json["trial"] = json_of(*tried);
     fmt::print("{}\n", text_of(json, 2));
     return scene.obstacles.empty() && !(tried && tried->was_refused);

@@ -86,8 +86,7 @@ bool write_last_steps(const std::filesystem::path& file, const RunCase& run, con
 /// What the scene asks for itself and the judge of all frames did not find.
 void note_unmet_wants(const RunCase& run, RunResult& result) {
   const bool is_over = result.status == "ok" || result.status == "suspect";
-  if (!run.judge || !is_over) return;
-  if (run.scene.wanted.own_values.empty()) return;
+  if (!run.judge || !is_over || run.scene.wanted.own_values.empty()) return;
   for (const RequiredFigure& figure : figures_of_run(run.scene, result)) {
     if (figure.holds() || !asks_for(run.scene.wanted, figure.requirement)) continue;
     result.status = "suspect";

@@ -14,7 +14,7 @@ namespace musclebench {
 
 namespace {
 
-/// Nodes in frames: of a scene of less all frames are judged in a moment.
+/// Nodes times frames: up to that, judging all frames takes a moment.
 constexpr std::size_t small_scene = 100'000;
 constexpr int sparsely_judged = 20;
 
@@ -33,8 +33,8 @@ bool has_free_muscles(const Scene& scene) {
 std::vector<int> judged_frames(const Scene& scene, const TrialRequest& request) {
   const int frames = scene.loop.frames;
   const std::size_t size = scene.muscle_mesh.vertices.size() * static_cast<std::size_t>(frames);
-  if (request.judges_all_frames || frames <= 2 * sparsely_judged || size <= small_scene || has_free_muscles(scene))
-    return {};
+  const bool is_small = frames <= 2 * sparsely_judged || size <= small_scene;
+  if (request.judges_all_frames || is_small || has_free_muscles(scene)) return {};
   std::set<int> judged{middle_frame(scene), frames};
   for (int i = 1; i <= sparsely_judged; ++i) judged.insert(frames * i / sparsely_judged);
   return {judged.begin(), judged.end()};
@@ -46,10 +46,7 @@ std::string refusal_of(const Scene& scene) {
                           std::ranges::any_of(scene.bone_contacts, [](const SceneBoneContact& contact) {
                             return contact.response == ResponseKind::backtrack;
                           });
-  return backtracks
-             ? "trial runs move nodes out of bones by exact depths, and the scene has the response 'backtrack': take "
-               "it out for the trial"
-             : "";
+  return backtracks ? "a trial cannot use the response 'backtrack': take it out" : "";
 }
 
 /// As `--for`: what a scene chooses for a bone is not asked.

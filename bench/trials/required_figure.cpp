@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 #include <fmt/format.h>
 
@@ -209,7 +208,7 @@ std::string RequiredFigure::text() const {
     case Requirement::bone_passage:
     case Requirement::muscle_passage:
     case Requirement::self_passage:
-      return fmt::format("{} {}{}", value_text(), where.empty() ? "triangles through their muscle" : where, wanted);
+      return fmt::format("{} {}{}", value_text(), where, wanted);
     case Requirement::bone_depth:
     case Requirement::muscle_depth:
       return fmt::format("{} {} {} deep{}", where, is_bound ? "may be" : "is", value_text(), wanted);

@@ -83,7 +83,7 @@ TEST_P(StrippedScene, IsMended) {
   EXPECT_EQ(searched.after, "ok");
 }
 
-// On a cliff contact of surfaces holds the depth that was wanted, and leaves a run that cannot be trusted.
+// On a cliff contact of surfaces leaves a depth that the judge of a run cannot exclude.
 INSTANTIATE_TEST_SUITE_P(Hard, StrippedScene,
                          testing::Values("crossed_bars", "on_cliff", "onto_needle", "over_hole", "press_shut"),
                          [](const auto& scene) { return scene.param; });
