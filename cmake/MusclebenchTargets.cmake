@@ -100,7 +100,8 @@ endfunction()
 # musclebench_test(NAME SOURCES file... DEPENDS target... [THREADS n] [TOGETHER suite...] [SLOW filter...])
 # THREADS: of the loop, which CTest has to have cores for: threads that wait for each other are slow without.
 # TOGETHER: suites whose tests share what takes long to make: each suite is one test of CTest, in one process.
-# SLOW: tests by GoogleTest's filter that get the label `slow`: under sanitizers they run weekly only.
+# SLOW: tests by GoogleTest's filter that get the label `slow`: under sanitizers they run weekly only,
+# and without them with `tools/test --all` only.
 function(musclebench_test name)
   if(NOT MUSCLEBENCH_WITH_TESTS)
     return()

@@ -99,6 +99,7 @@ def test_a_check_of_such_a_scene_says_who_chooses(folder):
     assert "--trial shows which" in call("check", "scene.toml", cwd=folder).stdout
 
 
+@pytest.mark.slow
 def test_a_strangers_meshes_are_asked(tmp_path):
     """OBJ, STL and PLY in millimetres and metres: what the trial says holds is what the judge of the run finds."""
     subprocess.run([sys.executable, str(KNEE), "knee"], cwd=tmp_path, check=True, capture_output=True)

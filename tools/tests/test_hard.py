@@ -17,25 +17,30 @@ pytestmark = needs_program
 # Those of every build. What libraries break is published (reports/libraries.md): their code is not ours to mend. The exact tree
 # and the field see what a change of the loop or of a distance does; the others take three times as long together.
 FAST, SLOW = ("sdf", "bvh"), ("null", "voxel", "brute_force", "fcl")
+# A second or two each: distances, signs, contact, passage, and two that break.
+FEW = ("soundness", "inverted-normals", "thin-plate", "pinch", "muscle-on-muscle", "needle", "press-shut")
 
 
 def options_of(backends):
     return [word for name in backends for word in ("--backend", name)]
 
 
-def all_cells(folder, backends, *options, seconds):
+def all_cells(folder, backends, cases=(), *options, seconds):
     """(process, folder) of these backends."""
+    options = [*options, *(word for name in cases for word in ("--case", name))]
     data = ["--data", folder_of_data] if (folder_of_data := find_lhdl()) else []
     done = subprocess.run([PROGRAM, "hard", *options_of(backends), *data, "--out", folder, *options], capture_output=True, text=True, timeout=seconds,
                           check=False)
     return done, folder
 
 
-@pytest.fixture(scope="module", params=[FAST, pytest.param(SLOW, marks=pytest.mark.weekly)], ids=["fast", "slow"])
+@pytest.fixture(scope="module", params=[pytest.param((FAST, FEW), id="few"), pytest.param((FAST, ()), marks=pytest.mark.slow, id="fast"),
+                                        pytest.param((SLOW, ()), marks=pytest.mark.weekly, id="slow")])
 def matrix(request, tmp_path_factory):
     """The short run, and its backends."""
-    done = all_cells(tmp_path_factory.mktemp("hard") / "out", request.param, seconds=1800)  # tests beside it share the cores
-    return *done, request.param
+    backends, cases = request.param
+    done = all_cells(tmp_path_factory.mktemp("hard") / "out", backends, cases, seconds=1800)  # tests beside it share the cores
+    return *done, backends
 
 
 def check_known(done, folder):
@@ -74,7 +79,7 @@ def test_a_red_that_moves_is_a_line():
 
 @pytest.mark.weekly
 def test_what_can_hold_does_in_the_long_run(tmp_path):
-    check_known(*all_cells(tmp_path / "out", FAST + SLOW, "--all", seconds=8 * 3600))
+    check_known(*all_cells(tmp_path / "out", FAST + SLOW, (), "--all", seconds=8 * 3600))
 
 
 def test_every_backend_has_a_cell_of_every_case(matrix):
@@ -118,6 +123,7 @@ def test_what_takes_too_long_is_told_in_the_matrix_and_nowhere_else(tmp_path):
     assert row["detail"].startswith("would take some ")
 
 
+@pytest.mark.slow
 def test_the_matrix_and_the_strips_are_drawn(tmp_path):
     arguments = ["--musclebench", PROGRAM, "--out", str(tmp_path / "out"), "--case", "rest", "--case", "pinch",
                  "--case", "soundness", "--backend", "bvh", "--backend", "voxel"]

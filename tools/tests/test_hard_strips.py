@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pandas as pd
+import pytest
 from matplotlib.colors import to_rgb
 from PIL import Image
 
@@ -60,6 +61,7 @@ def test_a_muscle_in_a_bone_is_seen(tmp_path, monkeypatch):
         assert red[:, left:right].any(), axes.get_title(loc="left")
 
 
+@pytest.mark.slow
 def test_the_matrix_of_every_backend_can_be_read(tmp_path, monkeypatch):
     """Libraries among them, with the titles of their studies."""
     listed = fake_registry.listed()

@@ -52,11 +52,11 @@ double depth_in_its_run_m(const Scene& scene, const Configuration& configuration
   return largest_m;
 }
 
-/// So many recommendations. Of most random scenes none is made: they move so fast that even exact answers leave nodes
+/// So many recommendations, in scenes from that seed on. Of most random scenes none is made: they move so fast that even exact answers leave nodes
 /// millimetres deep, and then every trial has to say so.
-void expect_that_advice_holds(int recommendations) {
+void expect_that_advice_holds(int recommendations, std::uint64_t first_seed) {
   int recommended = 0;
-  for (std::uint64_t seed = 0; recommended < recommendations && seed < 1000; ++seed) {
+  for (std::uint64_t seed = first_seed; recommended < recommendations && seed < 1000; ++seed) {
     FuzzScene random = fuzz_scene(seed, {"bvh"});
     random.loop["frames"] = std::int64_t{frames};
     SCOPED_TRACE(fmt::format("seed {}", seed));
@@ -79,10 +79,11 @@ void expect_that_advice_holds(int recommendations) {
   EXPECT_EQ(recommended, recommendations);
 }
 
-TEST(AdvisedScenes, WhatIsRecommendedHoldsOverTheWholeMotion) { expect_that_advice_holds(1); }
+/// The seeds before take all of their time.
+TEST(AdvisedScenes, WhatIsRecommendedHoldsOverTheWholeMotion) { expect_that_advice_holds(1, 5); }
 
 /// Takes minutes; asked for by .ci/weekly.
-TEST(AdvisedScenes, DISABLED_WhatIsRecommendedHoldsInTwentyRandomScenes) { expect_that_advice_holds(20); }
+TEST(AdvisedScenes, DISABLED_WhatIsRecommendedHoldsInTwentyRandomScenes) { expect_that_advice_holds(20, 0); }
 
 }  // namespace
 }  // namespace musclebench
