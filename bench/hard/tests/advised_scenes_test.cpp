@@ -52,8 +52,8 @@ double depth_in_its_run_m(const Scene& scene, const Configuration& configuration
   return largest_m;
 }
 
-/// So many recommendations, in scenes from that seed on. Of most random scenes none is made: they move so fast that even exact answers leave nodes
-/// millimetres deep, and then every trial has to say so.
+/// So many recommendations, in scenes from that seed on. Of most random scenes none is made: they move so fast that
+/// even exact answers leave nodes millimetres deep, and then every trial has to say so.
 void expect_that_advice_holds(int recommendations, std::uint64_t first_seed) {
   int recommended = 0;
   for (std::uint64_t seed = first_seed; recommended < recommendations && seed < 1000; ++seed) {
