@@ -229,12 +229,12 @@ class EffectSearch {
     std::string words = addition.name;
     if (trial.was_stopped) words += fmt::format(", which was ended in frame {},", trial.frames);
     const bool is_told = figure != nullptr && (!trial.was_stopped || !figure->holds());
-    words += is_told ? fmt::format(" leaves {}", figure->value_text()) : " is worse";
+    if (is_told) words += " leaves " + figure->value_text();
     const auto worse = std::ranges::find_if(trial.figures, [&](const RequiredFigure& other) {
       return other.requirement != broken.requirement && is_worse(other);
     });
-    if (worse != trial.figures.end()) words += fmt::format(", and {}", worse->text());
-    return words;
+    if (worse == trial.figures.end()) return is_told ? words : words + " is no better";
+    return fmt::format("{}{}{}", words, is_told ? ", and " : " spoils other things: ", worse->text());
   }
 
   /// What the last mending added, if it is one thing, was what the run before lacked.

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/quantity_words.hpp"
 #include "core/measure/arm_course.hpp"
 #include "core/measure/outcome_limits.hpp"
 
@@ -16,8 +17,8 @@ namespace {
 /// Of a fibre's length: less is what contact and rounding leave.
 constexpr double least_slack = 1e-3;
 
-std::string millimetres(double length_m) { return fmt::format("{:.3g} mm", 1e3 * length_m); }
-std::string percent(double share) { return fmt::format("{:.3g} %", 100 * share); }
+/// "nodes through a bone" to "node through a bone".
+std::string of_one(std::string counted) { return counted.erase(counted.find('s'), 1); }
 
 /// Keeps the worst of each requirement.
 void keep_worse(std::vector<RequiredFigure>& figures, RequiredFigure figure) {
@@ -58,11 +59,6 @@ class FrameFigures {
   [[nodiscard]] std::string bone(int index) const {
     return index < 0 ? "a bone" : "the " + m_scene.bones[static_cast<std::size_t>(index)].name;
   }
-  [[nodiscard]] bool touch(const CrossingPair& pair) const {
-    return std::ranges::find(m_rest.touching, std::pair(std::min(pair.muscle, pair.other),
-                                                        std::max(pair.muscle, pair.other))) != m_rest.touching.end();
-  }
-
   void add_nodes() {
     add({Requirement::bone_passage, static_cast<double>(m_frame.tunnelled_nodes), 0, "nodes through a bone"});
     add_bone_depth(m_frame.depth.max_depth_m, m_frame.depth_bodies);
@@ -113,7 +109,7 @@ class FrameFigures {
     if (pair.kind == CrossedSurface::itself) {
       add({Requirement::self_passage, value, allowed, of + " through the muscle itself"});
     } else if (pair.kind == CrossedSurface::muscle) {
-      if (!touch(pair) || m_scene.wanted.nothing_passes) {
+      if (!m_rest.touch(pair.muscle, pair.other) || m_scene.wanted.nothing_passes) {
         add({Requirement::muscle_passage, value, allowed, of + " through " + muscle(pair.other)});
       }
     } else if (m_rest.bones[static_cast<std::size_t>(pair.other)].thickness_m == 0) {
@@ -171,7 +167,7 @@ std::string RequiredFigure::value_text() const {
       return fmt::format("{:.3g} times", value);
     case Requirement::volume:
     case Requirement::taut_fibres:
-      return percent(value);
+      return in_percent(value);
     case Requirement::bone_passage:
     case Requirement::muscle_passage:
     case Requirement::self_passage:
@@ -179,7 +175,7 @@ std::string RequiredFigure::value_text() const {
     case Requirement::bone_depth:
     case Requirement::muscle_depth:
     case Requirement::returned_shape:
-      return millimetres(value);
+      return in_millimetres(value);
     case Requirement::trusted_run:
       return holds() ? "a run that is ok" : "a suspect run";
   }
@@ -208,12 +204,12 @@ std::string RequiredFigure::text() const {
     case Requirement::bone_passage:
     case Requirement::muscle_passage:
     case Requirement::self_passage:
-      return fmt::format("{} {}{}", value_text(), where, wanted);
+      return fmt::format("{} {}{}", value_text(), value == 1 ? of_one(where) : where, wanted);
     case Requirement::bone_depth:
     case Requirement::muscle_depth:
       return fmt::format("{} {} {} deep{}", where, is_bound ? "may be" : "is", value_text(), wanted);
     case Requirement::trusted_run:
-      return "the run is suspect: " + where;
+      return "the run " + where;
     case Requirement::returned_shape:
       return fmt::format("{} ends {} (RMS) from where it began{}", where, value_text(), wanted);
   }
@@ -253,8 +249,9 @@ std::vector<RequiredFigure> figures_of_run(const Scene& scene, const RunResult& 
                        {scene.loop.frames, 0}});
   }
   add_slack(scene, run, figures);
-  figures.push_back({Requirement::trusted_run, run.status == "suspect" || run.status == "diverged" ? 1.0 : 0.0, 0,
-                     run.status_detail});
+  const bool diverges = run.status == "diverged";
+  figures.push_back({Requirement::trusted_run, run.status == "suspect" || diverges ? 1.0 : 0.0, 0,
+                     (diverges ? "diverges: " : "is suspect: ") + run.status_detail});
   std::ranges::sort(figures, {}, &RequiredFigure::requirement);
   return figures;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/base/percentile.hpp"
@@ -165,6 +166,10 @@ Outcome outcome_of(std::span<const StepRecord> records, const MuscleAtRest& rest
     add_volumes(records, rest, muscle, outcome);
   }
   return outcome;
+}
+
+bool MuscleAtRest::touch(int one, int other) const {
+  return std::ranges::find(touching, std::pair(std::min(one, other), std::max(one, other))) != touching.end();
 }
 
 }  // namespace musclebench

@@ -31,6 +31,9 @@ struct MuscleAtRest {
   std::optional<DepthStatistics> depth;        ///< of the free nodes in the bones, before the first frame
   std::optional<DepthStatistics> in_muscles;   ///< of nodes in other muscles; nothing where no muscles touch
   DeepBodies depth_bodies, in_muscles_bodies;  ///< of the deepest of each
+
+  /// Whether the scene asks for contact between the two muscles.
+  [[nodiscard]] bool touch(int one, int other) const;
 };
 
 /// Of a pair, in the frame with the most of them.

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/quantity_words.hpp"
 #include "core/measure/outcome.hpp"
 
 namespace musclebench {
@@ -59,9 +60,6 @@ constexpr std::array<OutcomeLimit, 12> limits{{
 /// Above this the longest edge is worth a note.
 constexpr double noted_stretch = 4;
 
-std::string percent(double share) { return fmt::format("{:.3g} %", 100 * share); }
-std::string millimetres(double length_m) { return fmt::format("{:.3g} mm", 1e3 * length_m); }
-
 std::string words_of(const Moment& when) {
   return when.angle_deg == 0 ? fmt::format("in frame {}", when.frame)
                              : fmt::format("at {:.0f} degrees (frame {})", when.angle_deg, when.frame);
@@ -108,16 +106,12 @@ class Suspicions {
   [[nodiscard]] const std::string& bone_name(int bone) const {
     return m_rest.bones[static_cast<std::size_t>(bone)].name;
   }
-  [[nodiscard]] bool touch(int one, int other) const {
-    return std::find(m_rest.touching.begin(), m_rest.touching.end(),
-                     std::pair(std::min(one, other), std::max(one, other))) != m_rest.touching.end();
-  }
 
   void check_shape() {
     check("volume_error", m_outcome.max_volume_error, [&](double error, double limit) {
       const bool is_held = has("volume") || has("local_volume");
       return fmt::format("the volume{} is off its target by {} {} (limit {}): {}", of_muscle(m_outcome.volume_muscle),
-                         percent(error), words_of(m_outcome.when_volume), percent(limit),
+                         in_percent(error), words_of(m_outcome.when_volume), in_percent(limit),
                          is_held ? "take more substeps" : "add volume");
     });
     check("turned_inside_out", m_outcome.turned_inside_out,
@@ -149,8 +143,8 @@ class Suspicions {
       const std::string what = through_what(pair);
       if (what.empty()) continue;
       check("crossing_share", share, [&](double value, double limit) {
-        return fmt::format("{} of the triangles of {} pass through {} {} (limit {}){}", percent(value),
-                           muscle_name(pair.muscle), what, words_of({most.frame, most.angle_deg}), percent(limit),
+        return fmt::format("{} of the triangles of {} pass through {} {} (limit {}){}", in_percent(value),
+                           muscle_name(pair.muscle), what, words_of({most.frame, most.angle_deg}), in_percent(limit),
                            cure_of(pair));
       });
     }
@@ -163,7 +157,7 @@ class Suspicions {
   /// Empty where depths are judged.
   [[nodiscard]] std::string through_what(const CrossingPair& pair) const {
     if (pair.kind == CrossedSurface::itself) return name_of_other(pair);
-    if (pair.kind == CrossedSurface::muscle) return touch(pair.muscle, pair.other) ? "" : name_of_other(pair);
+    if (pair.kind == CrossedSurface::muscle) return m_rest.touch(pair.muscle, pair.other) ? "" : name_of_other(pair);
     const bool is_open =
         pair.other < std::ssize(m_rest.bones) && m_rest.bones[static_cast<std::size_t>(pair.other)].thickness_m == 0;
     return is_open ? name_of_other(pair) + ", which encloses no volume" : "";
@@ -189,7 +183,7 @@ class Suspicions {
       return fmt::format(
           "{} of the free nodes are held by contacts that are none {} (limit {}): take a finer or an exact "
           "backend",
-          percent(share), words_of(m_outcome.when_stuck), percent(limit));
+          in_percent(share), words_of(m_outcome.when_stuck), in_percent(limit));
     });
   }
 
@@ -203,21 +197,21 @@ class Suspicions {
     const bool nodes_are_out = in_muscle->node_depth_m < 0.5 * in_muscle->depth_m;
     m_found.push_back(fmt::format(
         "{} is {} deep in {} {} (limit {}, {}){}", muscle_name(in_muscle->bodies.muscle),
-        millimetres(in_muscle->depth_m), muscle_name(in_muscle->bodies.other), words_of(in_muscle->when),
-        millimetres(in_muscle->limit.depth_m), in_muscle->limit.because,
+        in_millimetres(in_muscle->depth_m), muscle_name(in_muscle->bodies.other), words_of(in_muscle->when),
+        in_millimetres(in_muscle->limit.depth_m), in_muscle->limit.because,
         nodes_are_out ? ", because contact between muscles acts at nodes: take finer meshes" : ": take more substeps"));
   }
 
   [[nodiscard]] std::string depth_in_bone(const WorstDepth& worst) const {
-    const std::string where =
-        fmt::format("{} (limit {}, {})", words_of(worst.when), millimetres(worst.limit.depth_m), worst.limit.because);
+    const std::string where = fmt::format("{} (limit {}, {})", words_of(worst.when),
+                                          in_millimetres(worst.limit.depth_m), worst.limit.because);
     const std::string& bone = bone_name(worst.bodies.other);
     const std::string depth =
         worst.is_bone_vertex
-            ? fmt::format("a vertex of the {} is {} deep in {} {}", bone, millimetres(worst.depth_m),
+            ? fmt::format("a vertex of the {} is {} deep in {} {}", bone, in_millimetres(worst.depth_m),
                           m_rest.muscles.size() > 1 ? muscle_name(worst.bodies.muscle) : "the muscle", where)
             : fmt::format("the surface{} is {} deep in the {} {}", of_muscle(worst.bodies.muscle),
-                          millimetres(worst.depth_m), bone, where);
+                          in_millimetres(worst.depth_m), bone, where);
     const bool nodes_are_out = worst.node_depth_m < 0.5 * worst.depth_m;
     if (nodes_are_out && !has("surface_contact")) return depth + ", because contact acts at nodes: add surface_contact";
     if (misses_contacts())
@@ -239,7 +233,7 @@ class Suspicions {
     m_found.push_back(fmt::format(
         "the surface may be {} deep in a bone (limit {}, {}), as the Referee's budget did not suffice for {} frame{}: "
         "take more substeps, which pay for it",
-        millimetres(*m_outcome.max_surface_depth_bound_m), millimetres(smallest->depth_m), smallest->because,
+        in_millimetres(*m_outcome.max_surface_depth_bound_m), in_millimetres(smallest->depth_m), smallest->because,
         m_outcome.open_judgements, m_outcome.open_judgements == 1 ? "" : "s"));
   }
 
@@ -256,8 +250,8 @@ class Suspicions {
         m_found.push_back(fmt::format(
             "{} free nodes were inside bones before the first frame, up to {} deep in the {} (limit {}, {}): move the "
             "two apart, or set settle_substeps",
-            m_rest.depth->nodes_inside, millimetres(m_rest.depth->max_depth_m), bone_name(bodies.other),
-            millimetres(limit.depth_m), limit.because));
+            m_rest.depth->nodes_inside, in_millimetres(m_rest.depth->max_depth_m), bone_name(bodies.other),
+            in_millimetres(limit.depth_m), limit.because));
       }
     }
     if (const DeepBodies& bodies = m_rest.in_muscles_bodies; m_rest.in_muscles && bodies.other >= 0) {
@@ -265,8 +259,8 @@ class Suspicions {
       if (is_beyond(*m_rest.in_muscles, limit)) {
         m_found.push_back(fmt::format(
             "{} was {} deep in {} before the first frame (limit {}, {}): move the two apart, or set settle_substeps",
-            muscle_name(bodies.muscle), millimetres(m_rest.in_muscles->max_depth_m), muscle_name(bodies.other),
-            millimetres(limit.depth_m), limit.because));
+            muscle_name(bodies.muscle), in_millimetres(m_rest.in_muscles->max_depth_m), muscle_name(bodies.other),
+            in_millimetres(limit.depth_m), limit.because));
       }
     }
     for (const SharedFaces& shared : m_rest.shared_faces) {
@@ -275,7 +269,7 @@ class Suspicions {
         return fmt::format(
             "{} of the triangles of {} are those of {} before the first frame (limit {}): is one mesh named "
             "twice?",
-            percent(share), muscle_name(shared.muscle), muscle_name(shared.other), percent(limit));
+            in_percent(share), muscle_name(shared.muscle), muscle_name(shared.other), in_percent(limit));
       });
     }
   }
@@ -291,7 +285,7 @@ class Suspicions {
           "{} missed {} of {} contacts ({}, limit {}) by more than it declares, up to {} deep: take another "
           "backend or a finer one",
           m_rest.backend.empty() ? "the backend" : m_rest.backend, *m_outcome.missed_beyond, *m_outcome.true_contacts,
-          percent(share), percent(limit), millimetres(m_outcome.max_missed_m));
+          in_percent(share), in_percent(limit), in_millimetres(m_outcome.max_missed_m));
     });
   }
 
