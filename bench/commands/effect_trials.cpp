@@ -4,6 +4,7 @@
 
 #include "bench/commands/command_options.hpp"
 #include "bench/process/progress.hpp"
+#include "bench/results/kept_effects.hpp"
 #include "core/base/input_error.hpp"
 
 namespace musclebench {
@@ -33,10 +34,28 @@ EffectChoice choose_effects_with_progress(Scene& scene, const SearchOptions& opt
 
 bool waits_for_trials(const Scene& scene) { return scene.auto_effects.wanted && scene.wanted.is_given; }
 
-void add_wanted_effects(const SceneChoice& choice, Scene& scene) {
-  if (!waits_for_trials(scene)) return;
-  const EffectChoice found = choose_effects_with_progress(scene, {});  // the run itself judges all frames
+namespace {
+
+/// What an earlier search found, unless that is asked again.
+EffectChoice find_or_choose_effects(const SceneChoice& choice, Scene& scene, bool searches_again) {
+  const auto file = kept_effects_file(scene, resolved_scene(choice, scene));
+  if (file && !searches_again) {
+    if (const std::optional<EffectChoice> kept = add_kept_effects(*file, scene)) {
+      fmt::print(stderr, "musclebench: {}: effects as an earlier search found them ({})\n", scene.name, file->string());
+      return *kept;
+    }
+  }
+  EffectChoice found = choose_effects_with_progress(scene, {});  // the run itself judges all frames
   if (found.was_refused) throw InputError(scene.file, "no trial can be run: " + found.unmet.front().text());
+  if (file) keep_effects(*file, scene, found);
+  return found;
+}
+
+}  // namespace
+
+void add_wanted_effects(const SceneChoice& choice, Scene& scene, bool searches_again) {
+  if (!waits_for_trials(scene)) return;
+  const EffectChoice found = find_or_choose_effects(choice, scene, searches_again);
   scene.warnings = warnings_of(scene);
   print_warnings(scene.name, scene.warnings);
   scene.auto_effects.resolved_text = resolved_scene(choice, scene);

@@ -22,9 +22,9 @@ EffectChoice choose_effects_with_progress(Scene& scene, const SearchOptions& opt
 bool waits_for_trials(const Scene& scene);
 
 /// Adds to a scene that asks for effects and says what it wants those that it takes, and tells them and its warnings on
-/// standard error; what does not hold becomes a warning, too. Leaves other scenes alone. Throws InputError where no
-/// trial can be run.
-void add_wanted_effects(const SceneChoice& choice, Scene& scene);
+/// standard error; what does not hold becomes a warning, too. What an earlier search found for the same scene is used,
+/// unless `searches_again`. Leaves other scenes alone. Throws InputError where no trial can be run.
+void add_wanted_effects(const SceneChoice& choice, Scene& scene, bool searches_again = false);
 
 /// Throws InputError for such a scene: `what` would not have the effects that a run has.
 void require_named_effects(const Scene& scene, const std::string& what);

@@ -167,6 +167,12 @@ int conclude(std::string_view scene, std::string_view status, std::string_view s
   return strict ? exit_not_held : 0;
 }
 
+/// A signal waits until the trial files are gone again.
+void require_writable_unharmed(const std::string& out) {
+  const HeldSignals held;
+  require_writable(out);
+}
+
 int run(RunOptions options) {
   if (options.strict && options.unjudged) {
     throw InputError("--strict",
@@ -182,7 +188,10 @@ int run(RunOptions options) {
   }
   options.scene.choice.wanted_overrides = wanted_overrides(options.wanted);
   Scene scene = load_scene(options.scene);
-  add_wanted_effects(choice_of(options.scene), scene);
+  // What is wrong with the command is said before a search for effects takes its time.
+  (void)choose_collider_backends(options.backend.colliders, scene, backend);
+  if (!options.out.empty()) require_writable_unharmed(options.out);
+  add_wanted_effects(choice_of(options.scene), scene, options.force);
   std::sort(options.snapshots.begin(), options.snapshots.end());
   const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
   const std::vector<ResponseKind> responses =
@@ -194,6 +203,10 @@ int run(RunOptions options) {
   }
   RunCase run_of{{scene, backend, parameters, options.backend.threads, options.repetition, responses, colliders}};
   run_of.judge = !options.unjudged;
+  if (options.unjudged && !scene.wanted.own_values.empty()) {
+    scene.warnings.push_back({"wanted", "what is wanted is not looked at: --no-referee leaves the run unjudged"});
+    print_warnings(scene.name, {scene.warnings.back()});
+  }
   run_of.snapshots = options.snapshots;
   run_of.count_self_intersections = options.self_intersections;
   run_of.prune = !options.unpruned;
@@ -207,10 +220,7 @@ int run(RunOptions options) {
   if (!options.force) {
     require_no_other_case(out, run_of, "coupled");
   }
-  {
-    const HeldSignals held;
-    require_writable(out);
-  }
+  require_writable_unharmed(out);
   if (!options.snapshots.empty() && options.snapshots.back() > scene.loop.frames) {
     fmt::print(stderr, "musclebench: warning: --snapshots: frame {} is not among the {} frames of the run\n",
                options.snapshots.back(), scene.loop.frames);

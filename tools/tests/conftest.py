@@ -35,6 +35,14 @@ def watched_figures():
         yield
 
 
+@pytest.fixture(autouse=True, scope="session")
+def cache_of_the_tests(tmp_path_factory):
+    """What searches for effects found before decides no test."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+        yield
+
+
 @pytest.fixture(scope="session")
 def lhdl_folder() -> Path:
     """The LHDL data folder; skips where it is absent."""

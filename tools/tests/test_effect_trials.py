@@ -12,7 +12,8 @@ from ball_on_box import SCENE, ball, box, off
 from program import call, complaint, needs_program
 
 pytestmark = needs_program
-KNEE = Path(__file__).resolve().parents[2] / "datasets" / "examples" / "knee.py"
+DATASETS = Path(__file__).resolve().parents[2] / "datasets"
+KNEE, SCENES = DATASETS / "examples" / "knee.py", DATASETS / "scenes"
 WANTED = '[wanted]\nsurface_mm = 0.1\n'
 
 
@@ -65,6 +66,57 @@ def test_a_scene_that_says_what_it_wants_is_asked_when_it_runs(folder):
     assert ("wanted" in {warning["rule"] for warning in told["warnings"]}) == bool(found["unmet"])
     again = run(folder / "out" / "resolved_scene.toml", folder / "again")
     assert again["state_hash"] == told["state_hash"]
+
+
+@pytest.fixture
+def asking(folder, monkeypatch):
+    """A scene that asks for effects, and a cache of its own."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(folder / "cache"))
+    (folder / "scene.toml").write_text(SCENE.replace("to_deg = 20", "to_deg = 80").replace(
+        "[effects.gravity]", WANTED + "[effects]\nauto = true\n[effects.gravity]"))
+    return folder
+
+
+def searched(folder, *options, out="out") -> tuple[bool, dict]:
+    """Whether a run with `sdf` looked for effects itself, and its run.json."""
+    done = call("run", folder / "scene.toml", "--backend", "sdf", "--out", folder / out, *options)
+    assert done.returncode == 0, done.stderr
+    return "an earlier search" not in done.stderr, json.loads((folder / out / "run.json").read_text())
+
+
+def test_what_a_search_found_is_kept_for_the_next_run_of_the_scene(asking):
+    first, told = searched(asking)
+    again, same = searched(asking)
+    forced, _ = searched(asking, "--force")
+    assert (first, again, forced) == (True, False, True)
+    assert same == told and told["warnings"]
+    (asking / "scene.toml").write_text((asking / "scene.toml").read_text().replace("to_deg = 80", "to_deg = 70"))
+    assert searched(asking, out="other")[0]
+
+
+def test_what_was_kept_gives_the_same_run(asking):
+    text = (SCENES / "effects" / "self_contact.toml").read_text().partition("[effects.self_contact]")[0]
+    (asking / "scene.toml").write_text(text.replace("[effects.gravity]", WANTED + "[effects]\nauto = true\n[effects.gravity]", 1))
+    _, told = searched(asking)
+    again, same = searched(asking, out="again")
+    assert not again and same["state_hash"] == told["state_hash"]
+    assert [one["effect"] for one in told["added_effects"]] == ["self_contact"] and same["added_effects"] == told["added_effects"]
+
+
+def test_a_command_that_can_not_run_says_so_before_it_searches(asking):
+    done = call("run", asking / "scene.toml", "--backend", "sdf", "--for", "no_bone=bvh", "--out", asking / "out")
+    assert done.returncode == 2 and "no_bone" in complaint(done)
+    (asking / "out").write_text("a file")
+    done = call("run", asking / "scene.toml", "--backend", "sdf", "--out", asking / "out")
+    assert done.returncode == 2 and str(asking / "out") in complaint(done)
+    assert not (asking / "cache").exists()
+
+
+def test_a_run_that_nobody_judges_says_that_wishes_are_not_looked_at(asking):
+    done = call("run", asking / "scene.toml", "--backend", "sdf", "--out", asking / "out", "--no-referee")
+    assert done.returncode == 0 and "what is wanted is not looked at" in done.stderr
+    told = json.loads((asking / "out" / "run.json").read_text())
+    assert told["status"] == "ok" and any("not looked at" in one["text"] for one in told["warnings"])
 
 
 def test_a_run_that_misses_what_its_scene_wants_is_suspect(folder):

@@ -1,0 +1,121 @@
+#include "bench/results/kept_effects.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "bench/results/manifest.hpp"
+#include "core/base/atomic_file.hpp"
+#include "core/base/input_error.hpp"
+#include "core/base/sha256.hpp"
+#include "core/effects/effect_registry.hpp"
+#include "core/scene/check/auto_effects.hpp"
+
+namespace musclebench {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_in(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+/// By its bytes: a version does not tell what was changed since. Empty where they can't be read.
+std::string hash_of_this_program() {
+  const std::string program = text_in("/proc/self/exe");
+  if (program.empty()) return {};
+  Sha256 hash;
+  hash.add(program);
+  return hash.hex_digest();
+}
+
+fs::path cache_folder() {
+  if (const char* folder = std::getenv("XDG_CACHE_HOME"); folder != nullptr && *folder == '/') return folder;
+  const char* home = std::getenv("HOME");
+  return home != nullptr && *home == '/' ? fs::path(home) / ".cache" : fs::path();
+}
+
+Json json_of_values(const Scene& scene, const std::string& name) {
+  Json values = Json::array();
+  const auto effect = std::ranges::find(scene.effects, name, &SceneEffect::name);
+  if (effect == scene.effects.end()) return values;
+  for (const auto& [key, value] : effect->parameters.values()) {
+    values.push_back(fmt::format("{}={}", key, format_parameter_value(value)));
+  }
+  return values;
+}
+
+/// Throws InputError for what this program does not know.
+void add_kept(const Json& kept, const std::string& file, Scene& scene) {
+  const std::string name = kept.at("effect");
+  const std::string rule = kept.at("rule");
+  const std::string reason = kept.at("reason");
+  if (const EffectEntry* entry = find_effect(name)) {
+    add_effect(scene, {name, parse_assignments(kept.at("values"), file, entry->parameters)}, rule, reason);
+    return;
+  }
+  const int muscles = static_cast<int>(scene.muscles.size());
+  for (int first = 0; first < muscles; ++first) {
+    for (int second = first + 1; second < muscles; ++second) {
+      if (name_of_muscle_contact(scene, {first, second}) != name) continue;
+      add_muscle_contact(scene, {first, second}, rule, reason);
+      return;
+    }
+  }
+  throw InputError(file, "has the unknown effect " + name);
+}
+
+}  // namespace
+
+std::optional<fs::path> kept_effects_file(const Scene& scene, const std::string& resolved_text) {
+  const fs::path folder = cache_folder();
+  const std::string program = hash_of_this_program();
+  if (folder.empty() || program.empty()) return std::nullopt;
+  Json search = {{"program", program}, {"scene", resolved_text}, {"kept_out", Json::array()}};
+  for (const EffectExclusion& exclusion : scene.exclusions) search["kept_out"].push_back(exclusion.effect);
+  if (scene.auto_effects.keeps_out_muscle_contact) search["kept_out"].push_back("muscle_contact");
+  return folder / "musclebench" / "effects" / (id_of(search, scene) + ".json");
+}
+
+std::optional<EffectChoice> add_kept_effects(const fs::path& file, Scene& scene) {
+  const Json kept = Json::parse(text_in(file), nullptr, false);
+  if (!kept.is_object()) return std::nullopt;
+  try {
+    Scene with = scene;
+    EffectChoice choice;
+    for (const Json& added : kept.at("added")) add_kept(added, file.string(), with);
+    for (const Json& unmet : kept.at("unmet")) choice.unmet.push_back({unmet.at("what"), unmet.at("tried")});
+    choice.added = with.auto_effects.added;
+    scene = std::move(with);
+    return choice;
+  } catch (const InputError&) {
+    return std::nullopt;
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  }
+}
+
+void keep_effects(const fs::path& file, const Scene& scene, const EffectChoice& found) {
+  Json added = Json::array();
+  for (const AddedEffect& each : found.added) {
+    added.push_back({{"effect", each.effect},
+                     {"rule", each.rule},
+                     {"reason", each.reason},
+                     {"values", json_of_values(scene, each.effect)}});
+  }
+  Json unmet = Json::array();
+  for (const Unmet& each : found.unmet) unmet.push_back({{"what", each.what}, {"tried", each.tried}});
+  const Json kept = {{"scene", scene.name}, {"added", added}, {"unmet", unmet}};
+  try {
+    write_atomically(file, [&](std::ostream& out) { out << text_of(kept, 2) << '\n'; });
+  } catch (const InputError&) {
+    // A folder that can't be written is no reason not to run.
+  }
+}
+
+}  // namespace musclebench
