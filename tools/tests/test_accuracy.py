@@ -153,7 +153,7 @@ def test_a_probe_builds_what_the_others_load(sweep):
     assert not (sweep.out / "structures").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_experiments_share_structures_that_one_has_built(sweep, tmp_path):
     shared = tmp_path / "shared"
     sweep("--structures", str(shared))
@@ -186,7 +186,7 @@ def test_a_folder_may_be_moved(finished, tmp_path):
     assert finished()[3] == []
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_failures_are_rows_and_the_others_go_on(sweep):
     behaviour = f"{ONCE[1]}-r0=crash {ONCE[3]}-r0=greedy {ONCE[4]}-r0=diverge {ONCE[6]}-r1=hang"
     code, _, errors, called = sweep("--timeout", "1.5", "--no-page", behaviour=behaviour)
@@ -220,7 +220,7 @@ def test_answers_that_differ_between_repetitions_are_marked(sweep):
         assert sweep.record(f"{name}-r0")["status"] == "ok"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_kill_9_loses_only_the_case_in_flight(sweep, tmp_path):
     victim = f"{ONCE[5]}-r1"
     process = sweep.start(f"{victim}=hang")
@@ -262,7 +262,7 @@ def test_an_interrupt_while_a_case_starts_or_ends_leaves_nothing(sweep, monkeypa
     assert not sweep.hidden() and (moment == "finish" or interrupted[0].poll() is not None)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_two_sweeps_do_not_share_a_folder(sweep):
     process = sweep.start(f"{ONCE[5]}-r0=hang")
     wait_for(lambda: list(sweep.out.glob("raw/.*/run")))

@@ -18,7 +18,7 @@ from musclebench.results import run_folder
 from musclebench.tables import table_formats
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_what_failed_or_is_missing_is_a_row_and_not_in_a_figure(study):
     write_failure(study / "raw" / "late", "coupled", SCENES[0], "brute_force", "timeout")
     write_failure(study / "raw" / "refused", "replay", SCENES[0], "fcl", "unsupported", Truth(
@@ -141,7 +141,7 @@ def test_shares_of_a_frame_add_up_and_the_best_fcl_is_chosen(study):
     assert not {"frame_ns", "recording_ns", "judging_ns"} & set(rows.index.get_level_values("stage"))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_tables_fit_a_terminal(study):
     for table in report.write_report(study).tables:
         assert max(map(len, table_formats.as_text(table).splitlines())) <= 110

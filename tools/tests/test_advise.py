@@ -56,7 +56,7 @@ def test_json_is_the_same_advice_for_scripts(advise, scene):
     assert advice["frames"] == {"asked": 12, "all": 12} and advice["reasons"]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_what_is_exact_holds_any_depth():
     """Where nothing overlaps at rest, as in the scene of balls."""
     answer = call("advise", "synthetic/adductor_brevis", "--frames", 12, "--depth-mm", "1e-30", "--seconds", "60", "--json")

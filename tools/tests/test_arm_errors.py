@@ -81,7 +81,7 @@ def test_the_price_list_names_the_cheapest_that_holds(study):
     assert rows.loc[("all", "5"), "configuration"] == "sdf 64"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_floor_of_shapes_has_a_row_and_everything_is_drawn(study):
     aggregates = aggregates_of(cases.read_cases(study))
     coupled, floors = of_mode(aggregates, "coupled"), of_mode(aggregates, "floor")

@@ -473,7 +473,7 @@ def test_where_refining_has_not_settled_it_is_said(tmp_path):
     assert "or more, since refining has not settled" in choice.in_words(found, 1.0, [])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_chosen_cases_are_run_by_name_and_judged_by_scene(study, tmp_path, monkeypatch):
     """Each scene asks for another number of substeps, with a field that nobody ran yet."""
     def within(self, bound_mm):

@@ -19,10 +19,9 @@ def final_state(out: Path, scene: str, *arguments: str) -> tuple[str, int]:
     return json.loads((out / "run.json").read_text())["state_hash"], sum(int(row[column]) for row in contacts[1:])
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("backend", [
     ["bvh"], ["sdf", "--param", "cells=24"], ["sdf", "--param", "max_error_mm=0.5"]], ids=" ".join)
-@pytest.mark.parametrize("muscle", ["adductor_brevis", "iliacus"])
+@pytest.mark.parametrize("muscle", ["adductor_brevis", pytest.param("iliacus", marks=pytest.mark.long)])
 def test_flexion_is_the_same_to_the_bit(tmp_path, backend, muscle):
     if muscle == "iliacus" and backend != ["bvh"]:
         pytest.skip("a field of the large muscle would take longer than it tells")
@@ -34,7 +33,7 @@ def test_flexion_is_the_same_to_the_bit(tmp_path, backend, muscle):
     assert states[0][1] > 0, "a flexion without contacts tells nothing"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_real_anatomy_is_the_same_to_the_bit(tmp_path, lhdl_folder):
     states = [final_state(tmp_path / f"{word}{threads}", "lhdl/gluteus_maximus", "--data", str(lhdl_folder),
                           "--backend", "bvh", "--param", f"clearance_cache={word}", "--frames", "25",

@@ -87,7 +87,7 @@ def test_parts_of_other_plans_or_no_parts_are_refused(trial, tmp_path, parts, ca
     assert "has no experiment.json" in capsys.readouterr().err
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.skipif(not shutil.which("snakemake"), reason="snakemake is not installed")
 def test_snakemake_gives_the_bytes_of_one_machine(trial, tmp_path, local):
     config = [f"experiment={trial}", f"out={tmp_path}/snake", f"parts={JOBS}", f"musclebench={QUICK}"]
@@ -97,7 +97,7 @@ def test_snakemake_gives_the_bytes_of_one_machine(trial, tmp_path, local):
     assert (tmp_path / "snake" / "whole" / "answers.csv").read_bytes() == local
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.skipif(not is_installed(), reason="Slurm and munge are not installed, or this is not root")
 def test_a_slurm_job_array_gives_the_bytes_of_one_machine(trial, tmp_path, local):
     (tmp_path / "slurm").mkdir()

@@ -309,7 +309,7 @@ def test_children_are_counted_and_this_process_is_not():
     assert none == 0 and counter.read() > 1e6
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @needs_program
 @pytest.mark.skipif(bool(instructions.why_not_by_callgrind()), reason=instructions.why_not_by_callgrind())
 def test_counted_instructions_are_those_of_the_loop_and_repeat(tmp_path):

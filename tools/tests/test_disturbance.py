@@ -109,7 +109,7 @@ def test_fig_7_leaves_waiting_out_of_its_lines(fake_raw, tmp_path):
     assert "crosses: 1 frame in which the process waited" in " ".join(re.sub("<[^>]+>", " ", drawing).split())
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_study_marks_busy_cases_and_says_so(tmp_path):
     study = tmp_path
     write_muscles(study, with_own_runs=True)

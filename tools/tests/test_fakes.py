@@ -150,7 +150,7 @@ def kernels_of(program: Path) -> set[str]:
     return {re.sub(r"(/iterations:\d+)?(/(real|manual)_time)?$", "", name) for name in done.stdout.splitlines()}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_every_target_names_kernels_that_there_are(listed, micro):
     groups = {group.name: micro.with_name(group.program) for group in of_project("speed").groups if group.mode == "kernels"}
     names = {program: kernels_of(program) for program in set(groups.values()) if program.is_file()}
@@ -166,7 +166,7 @@ def test_fake_kernels_are_kernels_of_the_program(micro):
     assert mine <= kernels_of(micro), mine - kernels_of(micro)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_fake_results_of_kernels_are_as_the_program_writes_them(micro, tmp_path):
     files = {program: tmp_path / f"{Path(program).name}.json" for program in (micro, fake_speed.__file__)}
     for program, file in files.items():

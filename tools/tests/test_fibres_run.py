@@ -137,7 +137,7 @@ def test_they_change_nothing_in_the_run_and_are_absent_where_nobody_asks(folder)
     assert sorted(path.name for path in (folder / "without").iterdir()) == ["frames.csv", "run.json"]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_cut_table_is_not_complete(folder):
     assert run(folder).returncode == 0
     assert "complete already" in run(folder).stdout

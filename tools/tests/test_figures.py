@@ -23,7 +23,7 @@ from printed import check_print, keep_figures
 
 
 @pytest.fixture(scope="module", params=[pytest.param(1, marks=pytest.mark.weekly, id="one muscle"),
-                                        pytest.param(2, marks=pytest.mark.slow, id="two muscles")])
+                                        pytest.param(2, marks=pytest.mark.long, id="two muscles")])
 def reported(request, tmp_path_factory):
     """A whole study's folder, the files of its report, and {stem: (figure, its files)}."""
     scenes = {"lhdl/iliacus": 1.0, "lhdl/gluteus_maximus": 1.7}
@@ -101,7 +101,7 @@ def test_a_legend_over_data_is_found(figure):
     assert any("legend covers data" in line for line in collisions(figure))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_papers_figures_are_drawn_for_print(fake_raw, tmp_path, monkeypatch):
     kept = {}
     keep_figures(monkeypatch, kept)
@@ -111,7 +111,7 @@ def test_the_papers_figures_are_drawn_for_print(fake_raw, tmp_path, monkeypatch)
         check_print(figure, paths)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_times_within_a_decade_have_no_powers_with_small_raised_figures(tmp_path, monkeypatch):
     kept = {}
     keep_figures(monkeypatch, kept)
@@ -188,7 +188,7 @@ def test_no_stage_has_the_colour_of_a_backend():
     assert not backends & set(stages) and len(set(stages)) == len(stages)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_run_that_holds_nodes_is_not_on_the_front(tmp_path):
     """256 voxel cells leave no depth, hold nodes by false contacts and end far from the exact shape."""
     truth = fake_study.Truth(ms=0.2, remaining_mm=0.0, shift_mm=5.4, parameters={"cells": 256})

@@ -63,7 +63,7 @@ def test_errors_are_percent_of_the_exact_runs_forces(study):
     assert set(table.rows["configuration"]) == set(found) and len(found) == 3
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_study_writes_their_table_and_fronts(study):
     files = report.write_report(study).files
     assert {"force_errors.csv", "pareto_torque.png", "pareto_pressure.png"} <= {path.name for path in files}

@@ -34,7 +34,7 @@ def all_cells(folder, backends, cases=(), *options, seconds):
     return done, folder
 
 
-@pytest.fixture(scope="module", params=[pytest.param((FAST, FEW), id="few"), pytest.param((FAST, ()), marks=pytest.mark.slow, id="fast"),
+@pytest.fixture(scope="module", params=[pytest.param((FAST, FEW), id="few"), pytest.param((FAST, ()), marks=pytest.mark.long, id="fast"),
                                         pytest.param((SLOW, ()), marks=pytest.mark.weekly, id="slow")])
 def matrix(request, tmp_path_factory):
     """The short run, and its backends."""
@@ -123,7 +123,7 @@ def test_what_takes_too_long_is_told_in_the_matrix_and_nowhere_else(tmp_path):
     assert row["detail"].startswith("would take some ")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_matrix_and_the_strips_are_drawn(tmp_path):
     arguments = ["--musclebench", PROGRAM, "--out", str(tmp_path / "out"), "--case", "rest", "--case", "pinch",
                  "--case", "soundness", "--backend", "bvh", "--backend", "voxel"]

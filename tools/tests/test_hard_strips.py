@@ -61,7 +61,7 @@ def test_a_muscle_in_a_bone_is_seen(tmp_path, monkeypatch):
         assert red[:, left:right].any(), axes.get_title(loc="left")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_matrix_of_every_backend_can_be_read(tmp_path, monkeypatch):
     """Libraries among them, with the titles of their studies."""
     listed = fake_registry.listed()

@@ -67,7 +67,7 @@ def test_options_of_its_build_are_those_of_the_project():
     assert options and all(f"option({name} " in re.sub(r" +", " ", known) for name in options)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @needs_program
 def test_it_has_the_libraries_that_the_program_is_linked_with():
     if not shutil.which("dpkg") or not shutil.which("objdump"):

@@ -162,7 +162,7 @@ def python_root(root):
     return root
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_faults_in_python_are_seen_by_tests_that_import_the_module(python_root, tmp_path):
     near = "tools/musclebench/numbers/near.py"
     seen, by_another, missed = (fault("seen", "return 3", "return 1", near), fault("far", "return 3", "return 5", near),

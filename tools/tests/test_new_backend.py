@@ -14,7 +14,7 @@ from musclebench.figures import looks
 from musclebench.program.registry import parse_registry, save_registry
 from printed import check_print, keep_figures
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 SCENE = "lhdl/iliacus"
 COLOUR = "#8a2be2"
 NEWCOMER = {

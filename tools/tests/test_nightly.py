@@ -105,7 +105,7 @@ def test_a_cell_of_the_matrix_that_vanished_is_told(tmp_path, capsys):
     assert gone_findings(table[table["night"] == 1]) == []
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_night_stamped_in_the_future_does_not_blind_later_ones(tmp_path, capsys, clock):
     a, b, c = (program(tmp_path, name, hash={"tree": name}) for name in "abc")
     assert run(tmp_path, a, *QUICK) == 0
@@ -262,7 +262,7 @@ def test_a_counter_that_does_not_vary_is_found_the_same_night(last, variation, i
     assert bool(counter_findings(table)) is is_found
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_recorded_noise_alarms_in_no_month_and_a_slowdown_is_found_in_three_nights():
     noise = simulation.read_noise()
     assert len(noise.times) >= 10 and len(noise.slowed_cases) >= 8

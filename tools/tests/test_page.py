@@ -185,7 +185,7 @@ def test_a_backend_called_null_is_a_backend(tmp_path):
     assert ">no collision</span></th>" in page and "thin breaks with grid: breaks; depth 0.25 mm, bar 0.1 mm" in page
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_what_a_study_wrote_is_shown_as_it_is(study, monkeypatch):
     monkeypatch.setattr(style, "FORMATS", [".svg"])
     accuracy_report.write_report(study)

@@ -15,7 +15,7 @@ from musclebench.page import bundle
 from musclebench.page.page_file import write_page
 from musclebench.program.cli import Problem
 
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.long
 SCRIPT = Path(__file__).resolve().parent / "page_in_browser.mjs"
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
 ROLES = fake_registry.roles()

@@ -66,14 +66,14 @@ def in_process(tmp_path, monkeypatch, capfd):
     return run
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_tables_say_whose_the_backends_are(in_process):
     code, text, errors, _ = in_process()
     assert code == 0, errors
     assert "fcl: library of fcl" in text
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_what_the_program_lacks_is_left_out_and_said(in_process):
     """The stand-in has the backends of every build and no library."""
     code, text, errors, calls = in_process()
@@ -81,7 +81,7 @@ def test_what_the_program_lacks_is_left_out_and_said(in_process):
     assert "Left out, as this program lacks them: discregrid; tools/setup --all" in text
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_every_case_runs_once_on_a_core_of_its_own(finished):
     _, log, done = finished
     calls = [line.split() for line in log.read_text().splitlines()]
@@ -89,7 +89,7 @@ def test_every_case_runs_once_on_a_core_of_its_own(finished):
     assert all(len(call) == 2 for call in calls)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.skipif(not CAN_DRAW, reason="no display and no Xvfb: surface figures can't be drawn")
 def test_everything_is_written_named_and_printed(finished):
     out, _, done = finished
@@ -104,7 +104,7 @@ def test_everything_is_written_named_and_printed(finished):
     assert len(pd.read_csv(out / "runs.csv")) == 4 * A_MUSCLE
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.skipif(not CAN_DRAW, reason="no display and no Xvfb: surface figures can't be drawn")
 def test_figures_are_not_blank(finished):
     for name in BY_NUMBERS + OF_SURFACES:
@@ -112,7 +112,7 @@ def test_figures_are_not_blank(finished):
         assert pixels.shape[1] > 1000 and pixels.var() > 0.003, name
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.skipif(not CAN_DRAW, reason="no display and no Xvfb: surface figures can't be drawn")
 def test_surfaces_show_muscle_bone_and_depth(finished):
     pixels = matplotlib.image.imread(finished[0] / "figures" / "fig_6_iliacus.png")[:, :-300, :3]
@@ -122,14 +122,13 @@ def test_surfaces_show_muscle_bone_and_depth(finished):
     assert np.mean((red < 0.95) & (red > blue * 1.08) & (np.abs(red - green) < 0.1)) > 0.01  # bone
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_rows_of_figures_hold_the_frames(finished):
     rows = pd.read_csv(finished[0] / "figures" / "fig_7_collision_time.csv")
     assert set(rows["backend"]) == {"voxel", "sdf", "bvh", "fcl", "fcl as advised"} and set(rows["muscle"]) == {"iliacus"}
     assert (rows[rows["backend"] == "sdf"]["collision_ns"] == 3_000_000).all() and len(rows) == 60
 
 
-@pytest.mark.slow
 def test_complete_cases_are_skipped_until_something_changes(in_process, tmp_path):
     assert len(in_process()[3]) == 2 * A_MUSCLE
     assert in_process()[3] == []
@@ -141,7 +140,6 @@ def test_complete_cases_are_skipped_until_something_changes(in_process, tmp_path
     assert in_process()[3] == ["gluteus_medius-fcl"]
 
 
-@pytest.mark.slow
 def test_a_quick_look_does_not_replace_a_finished_study(in_process, tmp_path):
     assert in_process()[0] == 0
     kept = contents(tmp_path / "out")
@@ -157,7 +155,7 @@ def contents(folder: Path) -> dict:
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_another_muscle_adds_to_a_study(tmp_path, in_process):
     assert in_process()[0] == 0
     few = ["--musclebench", str(PROGRAM), "--out", str(tmp_path / "out"), "--frames-limit", "12"]
@@ -171,7 +169,7 @@ def test_another_muscle_adds_to_a_study(tmp_path, in_process):
     assert in_process()[3] == []
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_cases_of_another_program_are_kept_on_request(in_process, tmp_path):
     assert in_process()[0] == 0
     raw = tmp_path / "out" / "raw"
@@ -186,7 +184,7 @@ def test_cases_of_another_program_are_kept_on_request(in_process, tmp_path):
     assert sorted(calls) == ["iliacus-sdf", "iliacus-voxel"] and "programs, whose times" not in text
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_table_that_the_study_has_no_more_is_removed(in_process, tmp_path):
     out = tmp_path / "out"
     assert in_process()[0] == 0
@@ -200,7 +198,7 @@ def test_a_table_that_the_study_has_no_more_is_removed(in_process, tmp_path):
     assert (out / "tables/mine.csv").exists() and (out / "raw/iliacus-sdf/run.json").exists() and (tmp_path / "log").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_two_commands_in_one_folder_are_told_apart_to_the_end(in_process, tmp_path, monkeypatch):
     """While tables and figures are made, too."""
     refused = []
@@ -213,7 +211,6 @@ def test_two_commands_in_one_folder_are_told_apart_to_the_end(in_process, tmp_pa
     assert refused[0].returncode == 2 and "another run writes there" in refused[0].stderr
 
 
-@pytest.mark.slow
 def test_failures_become_rows_and_the_others_go_on(in_process, tmp_path):
     behaviour = "iliacus-voxel=crash gluteus_medius-sdf=diverge"
     code, text, errors, _ = in_process(behaviour=behaviour)
@@ -234,7 +231,7 @@ def test_a_case_that_hangs_is_stopped_and_said_so(tmp_path, monkeypatch):
     assert run_folder.read_run(tmp_path / "raw" / case.name).record["status_detail"].startswith("stopped after")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_an_interrupt_ends_the_children_and_leaves_no_half_folder(tmp_path):
     environment = {**os.environ, "FAKE_BEHAVIOUR": " ".join(f"{case.name}=hang" for case in swept("paper")),
                    "FAKE_LOG": str(tmp_path / "log")}
@@ -300,7 +297,7 @@ def test_the_depth_scale_leaves_out_the_control_without_collision():
     assert surface_figures.depth_scale_mm({"voxel": moments(14)}) == surface_figures.DEEPEST_SHOWN_MM
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.skipif(not CAN_DRAW, reason="no display and no Xvfb")
 def test_a_kill_while_surfaces_are_drawn_leaves_nobody_at_work(tmp_path):
     out = tmp_path / "out"

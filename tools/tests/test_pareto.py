@@ -137,7 +137,7 @@ def test_what_can_not_be_asked_about_points_is_hollow_at_the_edge(tmp_path):
     plt.close(drawn[0])
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_what_can_not_be_asked_about_points_has_no_error_in_the_replay(study, tmp_path, monkeypatch):
     """Nor a place on the front: the depth that its own run left would look exact."""
     monkeypatch.setattr(Aggregate, "is_asked", property(lambda one: one.configuration.backend != "fcl"))

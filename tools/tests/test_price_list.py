@@ -87,7 +87,7 @@ def test_what_several_threads_gain_is_no_price(study):
         assert price(replays, muscle, "0.01")["configuration"] == "bvh" and price(replays, muscle, "1")["configuration"] == "sdf 64"
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_depth_that_none_holds_names_the_best_found(tmp_path):
     write_replay(tmp_path / "raw" / "a", SCENES[0], "voxel", REPLAYED["voxel"])
     write_own_run(tmp_path / "raw" / "b", SCENES[0], "voxel", REPLAYED["voxel"])

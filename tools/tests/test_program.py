@@ -162,7 +162,7 @@ distance_m = {}
     assert len(ids) == 2
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_shapes_that_are_kept_are_no_memory_of_the_run(tmp_path):
     """Some 6 MB of them: room for them is made before the first frame, where the Referee's is."""
     done = call("run", "synthetic/gluteus_maximus", "--backend", "voxel", "--preset", "paper", "--frames", 20, "--snapshots",

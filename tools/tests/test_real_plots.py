@@ -19,7 +19,7 @@ from musclebench.results.status import MEASURED
 from program import PROGRAM, needs_program
 from test_paper import CAN_DRAW
 
-pytestmark = [needs_program, pytest.mark.slow]
+pytestmark = [needs_program, pytest.mark.long]
 MUSCLE = ("--muscle", "adductor_brevis")
 FIGURES = {
     "paper": {"fig_6_adductor_brevis", "fig_7_collision_time", "fig_8_memory", "depth_by_frame",

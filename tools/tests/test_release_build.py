@@ -35,7 +35,7 @@ def build_of(folder: Path, kind: str, stand_in: Path) -> Path:
     return path
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize(("command", "words"), [
     (paper, []), (accuracy, ["--quick"]), (effects, ["--quick"]), (experiment, ["nightly", "--scene", "synthetic/iliacus"]),
 ])

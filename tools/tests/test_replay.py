@@ -162,7 +162,7 @@ def test_one_changed_byte_is_refused(recording, tmp_path):
     assert_refused(done, str(changed), f"ends in {sealed}", "its hash is")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_recording_of_another_scene_is_refused(recording, tmp_path):
     for scene, counts in (("synthetic/adductor_brevis", "muscles 1"), ("synthetic/hip", "has 4")):
         done = call("replay", recording, "--backend", "bvh", "--out", tmp_path / "out", "--scene", scene)

@@ -36,7 +36,7 @@ def test_right_is_without_tunnelled_nodes_and_with_its_volume(tunnelled, volume_
     assert stayed_right({"outcome": {"tunnelled_nodes": tunnelled, "max_volume_error": volume_error}}) is expected
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @needs_program
 def test_a_guard_allows_steps_as_long_as_none_at_least(tmp_path, capsys):
     code = safe_step.main(["hard/step_size", "--backend", "bvh", "--out", str(tmp_path / "out"), "--musclebench", PROGRAM])
@@ -87,7 +87,7 @@ def test_check_names_a_step_beyond_the_safe_one_and_what_mends_it(tmp_path):
     assert "step_beyond_safe" not in other.stdout
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @needs_program
 def test_advise_leaves_out_what_goes_wrong_at_the_scenes_step(tmp_path):
     done = call("advise", "hard/step_size", "--depth-mm", "1", "--seconds", "20", "--safe-step", known_steps(tmp_path))

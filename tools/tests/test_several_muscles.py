@@ -84,7 +84,7 @@ def test_one_muscle_has_neither_of_these_tables(tmp_path):
     assert len(paper.write_report(tmp_path, ["one"])[1]) == 2
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_each_muscle_has_its_colour_in_a_figure_of_all(out, monkeypatch):
     kept = {}
     keep_figures(monkeypatch, kept)

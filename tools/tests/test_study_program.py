@@ -61,7 +61,7 @@ def require_its_page(study: Path) -> None:
     assert what["Runs"].startswith("16: ") and what["Scenes"] == "synthetic/adductor_brevis" and what["Begun"].startswith("20")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_a_small_study_comes_out_complete(tmp_path, monkeypatch, capfd):
     few = parse_registry(fake_registry.with_studies(FEW), "few")
     monkeypatch.setattr(accuracy, "read_registry", lambda program: few)

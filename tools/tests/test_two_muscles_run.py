@@ -169,7 +169,7 @@ def run_tool(name: str, scene: Path, out: Path, *arguments: str) -> str:
     return done.stdout
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_the_budget_takes_a_scene_of_two_muscles(scene, tmp_path):
     text = run_tool("budget", scene, tmp_path / "out", "--finest", "2")
     rows = pd.read_csv(tmp_path / "out" / "tables" / "budget.csv")
@@ -177,14 +177,14 @@ def test_the_budget_takes_a_scene_of_two_muscles(scene, tmp_path):
     assert f"{scene.stem}: " in text and rows.set_index("source").loc["time step", "shape_mm"] >= 0
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_paper_takes_a_scene_of_two_muscles(scene, tmp_path):
     run_tool("paper", scene, tmp_path / "out", "--frames-limit", "4", "--jobs", "1")
     depths = pd.read_csv(next((tmp_path / "out").glob("**/table_4_depths.csv")))
     assert set(depths["muscle"]) == {"ball", "other"}
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_accuracy_takes_a_scene_of_two_muscles(scene, tmp_path):
     run_tool("accuracy", scene, tmp_path / "out", "--quick", "--frames-limit", "4", "--jobs", "1")
     cases = pd.read_csv(tmp_path / "out" / "accuracy.csv")
@@ -206,7 +206,7 @@ def test_advise_and_probe_take_a_scene_of_two_muscles(scene, tmp_path):
     assert len(pd.read_csv(next((tmp_path / "probe").glob("*.csv")))) > 0
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_four_muscles_of_the_hip_end_in_the_same_bits_on_one_thread_and_on_two(tmp_path):
     hashes = []
     for threads in ("1", "2"):

@@ -67,7 +67,7 @@ def test_pairs_show_what_the_drift_of_the_machine_hides():
     assert not alone.is_change and alone.chance > LEVEL
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_of_many_cases_none_alarms_by_chance():
     """Each alone would, now and then."""
     single, together = 0, 0

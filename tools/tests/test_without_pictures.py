@@ -121,7 +121,7 @@ def test_the_page_is_the_same_without_both(done, tmp_path, monkeypatch):
     assert pages[0] == pages[1]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_an_export_wants_vtk_and_says_so_in_one_line(done):
     export = done(VTK, "export")
     assert (export.code, export.errors) == (2, "report: Python lacks vtk (tools/setup installs python3-vtk9)\n")
