@@ -42,9 +42,17 @@ std::vector<std::string> TomlTable::keys() const {
   return keys;
 }
 
+void TomlTable::refuse_key_of_the_file(const std::string& key) const {
+  if (key != "effects" && key != "preset" && key != "title") return;
+  throw InputError(location(key),
+                   "is a key of the file, and a table takes in all keys below it: put it above the "
+                   "first line that begins with [");
+}
+
 void TomlTable::allow_only(const std::vector<std::string>& known) const {
   for (const std::string& key : keys()) {
     if (std::find(known.begin(), known.end(), key) == known.end()) {
+      refuse_key_of_the_file(key);
       throw InputError(location(key), fmt::format("is unknown; did you mean '{}'?", nearest_word(key, known)));
     }
   }
@@ -187,6 +195,7 @@ std::map<std::string, ParameterValue> TomlTable::values() const {
   std::map<std::string, ParameterValue> values;
   for (const auto& [key, value] : *m_table) {
     const std::string name(key.str());
+    refuse_key_of_the_file(name);
     if (value.is_boolean()) {
       values[name] = *value.value<bool>();
     } else if (value.is_integer()) {

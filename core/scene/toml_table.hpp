@@ -54,6 +54,8 @@ class TomlTable {
   [[nodiscard]] std::string place() const;
 
  private:
+  /// The likeliest mistake with it is that it stands below a table.
+  void refuse_key_of_the_file(const std::string& key) const;
   [[nodiscard]] const toml::node& node(std::string_view key) const;
   [[nodiscard]] Vec3 point_from(const toml::node& value, std::string_view key) const;
 

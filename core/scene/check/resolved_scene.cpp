@@ -72,7 +72,7 @@ std::string toml_text_of(const toml::node& node) {
   return text.str();
 }
 
-std::string table_text(const std::string& heading, const toml::table& table) {
+std::string table_text(const std::string& heading, toml::table& table) {
   std::string text = fmt::format("\n{}\n", heading);
   // Its name comes first, its tables last.
   if (const toml::node* name = table.get("name")) text += fmt::format("name = {}\n", toml_text_of(*name));
@@ -81,19 +81,18 @@ std::string table_text(const std::string& heading, const toml::table& table) {
       text += fmt::format("{} = {}\n", key.str(), toml_text_of(value));
     }
   }
-  if (const toml::table* motion = table.get_as<toml::table>("motion")) {
-    text += "[bone.motion]\n";
-    for (const auto& [key, value] : *motion) text += fmt::format("{} = {}\n", key.str(), toml_text_of(value));
-  }
+  const char* heading_of_motion = table.get_as<toml::array>("motion") ? "[[bone.motion]]" : "[bone.motion]";
+  for_each_table(table, "motion", [&](const toml::table& motion) {
+    text += fmt::format("{}\n", heading_of_motion);
+    for (const auto& [key, value] : motion) text += fmt::format("{} = {}\n", key.str(), toml_text_of(value));
+  });
   return text;
 }
 
-std::string tables_text(const toml::table& root, std::string_view key) {
-  if (const toml::table* one = root.get_as<toml::table>(key)) return table_text(fmt::format("[{}]", key), *one);
+std::string tables_text(toml::table& root, std::string_view key) {
+  const std::string heading = root.get_as<toml::array>(key) ? fmt::format("[[{}]]", key) : fmt::format("[{}]", key);
   std::string text;
-  if (const toml::array* several = root.get_as<toml::array>(key)) {
-    for (const toml::node& node : *several) text += table_text(fmt::format("[[{}]]", key), *node.as_table());
-  }
+  for_each_table(root, key, [&](toml::table& table) { text += table_text(heading, table); });
   return text;
 }
 

@@ -52,6 +52,7 @@ TEST(Wanted, AreWhatTheSceneSaysAndTheCommandLineOverIt) {
 TEST(Wanted, AreRefusedWhereTheyMeanNothing) {
   expect_mentions(error_of(wanting("[wanted]\nsurface_m = 0.1\n")), {"wanted.toml:2", "surface_m", "surface_mm"});
   expect_mentions(error_of(wanting("[wanted]\nsurface_mm = 0\n")), {"wanted.toml:2", "surface_mm"});
+  expect_mentions(error_of(wanting("[wanted]\neffects = \"auto\"\n")), {"wanted.toml:2", "effects", "above"});
   // Arms take fibres, and these a bone that turns.
   expect_mentions(error_of(wanting("[wanted]\nmoment_arm_mm = 1\n")), {"moment_arm_mm", "motion"});
 }

@@ -143,5 +143,17 @@ TEST(ResolvedScene, KeepsFirstContactAndTellsItsReasons) {
   EXPECT_NE(text.find("# Added [volume]: "), std::string::npos) << text;
 }
 
+TEST(ResolvedScene, HasAllMotionsOfABone) {
+  const std::string motions = "[" + turning(70).insert(13, "]") + "[" + turning(20).insert(13, "]");
+  const SceneRequest request = request_of("[loop]\nframes = 10\n" + bone_text("plate", motions) + muscle_text("ball"));
+  const Scene scene = read_scene(request);
+  ASSERT_EQ(scene.motions[0].rotations.size(), 2U);
+  std::vector<RigidMotion> poses, same;
+  scene.poses_at(7, poses);
+  read_scene(request_of(resolved_scene_text(request, scene))).poses_at(7, same);
+  EXPECT_EQ(same[0].rotation, poses[0].rotation);
+  EXPECT_EQ(same[0].translation_m, poses[0].translation_m);
+}
+
 }  // namespace
 }  // namespace musclebench
