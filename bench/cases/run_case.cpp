@@ -123,7 +123,7 @@ class CaseRunner {
     if (m_run.judge) {
       reserve_huge_pages(usual_referee_bytes);
       m_judge = std::make_unique<CoupledJudge>(
-          m_scene, m_result.bound_nodes, *m_simulation, m_run.threads,
+          m_scene, m_result.bound_nodes, *m_simulation, m_run.judges_wishes ? 1 : m_run.threads,
           [this](int bone) { return m_backend->answer_bound(bone).missed_depth_m; }, m_run.judging_effort);
       note_rest(m_judge->at_rest());
     }
@@ -224,7 +224,8 @@ class CaseRunner {
       m_result.status_detail = lost + moved_out_by(frame);
     } else if (is_judged) {
       m_judge->judge(*m_simulation, m_last_detection, record,
-                     is_looked_at(frame) || !judged.empty() ? CrossingTest::always : CrossingTest::where_budget_allows);
+                     is_looked_at(frame) || !judged.empty() || m_run.judges_wishes ? CrossingTest::always
+                                                                                   : CrossingTest::where_budget_allows);
       note_crossings(record);
     } else if (m_judge) {
       m_judge->follow(*m_simulation, record);

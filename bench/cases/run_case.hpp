@@ -20,6 +20,9 @@ struct RunCase : Case {
   bool judge = true;          ///< whether the Referee judges
   bool keeps_shared = false;  ///< structures over bones (Bone::shared), for the next run of the scene
   long judging_effort = 1;    ///< times the budget that a frame's judgement has in other runs
+  /// Whether it looks for triangles through others in every frame that it judges, and as closely as on one thread: what
+  /// is wanted holds or does not, however the run is made. Else where a frame's budget allows.
+  bool judges_wishes = false;
   /// Frames that it judges, ascending; empty: all. In the others it only follows the nodes.
   std::vector<int> judged_frames = {};
   /// Asked after each frame. True ends the run, with status `interrupted`.

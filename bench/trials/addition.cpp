@@ -81,6 +81,14 @@ void add(Scene& scene, const Addition& addition, const std::string& rule, const 
   for (const MusclePair& pair : addition.pairs) add_muscle_contact(scene, pair, rule, reason);
 }
 
+Scene with_all_additions(const Scene& scene) {
+  Scene widest = scene;
+  for (const Addition& addition : additions_for(scene, Requirement::trusted_run, {})) {
+    add(widest, addition, "any", "");
+  }
+  return widest;
+}
+
 std::vector<Finding> quick_findings(const Scene& scene) {
   CheckOptions options;
   options.only_quick = true;

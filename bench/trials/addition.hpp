@@ -26,6 +26,9 @@ std::vector<Addition> additions_for(const Scene& scene, Requirement requirement,
 /// Adds it, with a reason.
 void add(Scene& scene, const Addition& addition, const std::string& rule, const std::string& reason);
 
+/// The scene with all that a search may add to it: what an option names there, it may name after a search.
+Scene with_all_additions(const Scene& scene);
+
 /// Why a scene with an addition should not be run: what the checker's quick rules find in it, and not in the scene
 /// `without` it, of what cannot act or contradicts itself. Empty: nothing.
 std::string refusal_by_rules(const Scene& with, const std::vector<Finding>& without);

@@ -26,6 +26,9 @@ constexpr double tolerated_harm = 0.5;
 constexpr double largest_excess = 1e6;
 constexpr const char* trial_rule = "trial";
 
+/// By which a shape may move without that an effect is missed: coarse wishes make no other shape the same.
+double felt_m(const Scene& scene) { return std::min(scene.wanted.surface_m, Wanted().surface_m); }
+
 /// What changes in a scene during a search. Its bones and muscles stay, and with them what was built over them.
 struct EffectSet {
   std::vector<SceneEffect> effects;
@@ -59,7 +62,7 @@ bool diverges(const RequiredFigure& figure) {
 
 /// An excess that is not halved is not mended.
 bool is_too_little(const RequiredFigure& broken, const RequiredFigure& mended) {
-  return !mended.holds() && mended.excess() > broken.excess() / 2;
+  return !mended.holds() && (std::isinf(mended.excess()) || mended.excess() > broken.excess() / 2);
 }
 
 std::string verdict_of(const EffectTrial& trial) {
@@ -233,7 +236,8 @@ class EffectSearch {
     const auto worse = std::ranges::find_if(trial.figures, [&](const RequiredFigure& other) {
       return other.requirement != broken.requirement && is_worse(other);
     });
-    if (worse == trial.figures.end()) return is_told ? words : words + " is no better";
+    if (worse == trial.figures.end())
+      return is_told ? words : words + (figure == nullptr ? " does not tell" : " is no better");
     return fmt::format("{}{}{}", words, is_told ? ", and " : " spoils other things: ", worse->text());
   }
 
@@ -246,7 +250,7 @@ class EffectSearch {
       remove_added(m_scene, each->effect);
       EffectTrial trial = attempt_without(each->effect);
       // What a rule asked for a scene may mean without that a figure feels it: nodes that are bound.
-      const bool is_felt = each->rule != trial_rule && !(largest_change_m(trial) <= m_scene.wanted.surface_m);
+      const bool is_felt = each->rule != trial_rule && !(largest_change_m(trial) <= felt_m(m_scene));
       if (is_felt || is_needed(trial)) {
         put(before, m_scene);
         m_choice.tried.back().verdict += ": it stays";
@@ -261,14 +265,14 @@ class EffectSearch {
 
   /// One after the other, and those before it left out: what two of them do alike is needed once.
   void look_for_needless() {
-    if (m_now.shapes.size() < 2) return;  // it diverges
+    if (m_now.shapes.empty()) return;  // it diverges
     const EffectSet whole = set_of(m_scene);
     for (const std::string& effect : m_own) {
       const EffectSet before = set_of(m_scene);
       std::erase_if(m_scene.effects, [&](const SceneEffect& each) { return each.name == effect; });
       const EffectTrial trial = attempt_without(effect);
       const double shape_m = largest_change_m(trial);
-      if (is_needed(trial) || !(shape_m <= m_scene.wanted.surface_m)) {
+      if (is_needed(trial) || !(shape_m <= felt_m(m_scene))) {
         put(before, m_scene);
         continue;
       }
@@ -294,7 +298,7 @@ class EffectSearch {
     return arm_m && arm_error(without.arms, m_now.arms).rms_m > *arm_m;
   }
 
-  /// RMS over a muscle's nodes, in the middle of the motion or at its end; infinite where that can't be told.
+  /// RMS over a muscle's nodes, in the frame with the largest; infinite where that can't be told.
   [[nodiscard]] double largest_change_m(const EffectTrial& trial) const {
     if (trial.shapes.size() != m_now.shapes.size() || trial.shapes.empty()) {
       return std::numeric_limits<double>::infinity();

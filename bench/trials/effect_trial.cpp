@@ -18,7 +18,15 @@ namespace {
 constexpr std::size_t small_scene = 100'000;
 constexpr int sparsely_judged = 20;
 
-int middle_frame(const Scene& scene) { return (scene.loop.frames + 1) / 2; }
+/// Where shapes are kept: in an odd number of places, so that a motion to and fro is also met on its way.
+std::vector<int> shape_frames(const Scene& scene) {
+  constexpr int parts = 8;
+  std::set<int> frames;
+  for (int part = 1; part < parts; ++part) frames.insert((part * scene.loop.frames + parts / 2) / parts);
+  frames.erase(0);
+  frames.erase(scene.loop.frames);
+  return {frames.begin(), frames.end()};
+}
 
 /// What nothing holds may meet and leave another muscle within a few frames.
 bool has_free_muscles(const Scene& scene) {
@@ -35,7 +43,7 @@ std::vector<int> judged_frames(const Scene& scene, const TrialRequest& request) 
   const std::size_t size = scene.muscle_mesh.vertices.size() * static_cast<std::size_t>(frames);
   const bool is_small = frames <= 2 * sparsely_judged || size <= small_scene;
   if (request.judges_all_frames || is_small || has_free_muscles(scene)) return {};
-  std::set<int> judged{middle_frame(scene), frames};
+  std::set<int> judged{(frames + 1) / 2, frames};
   for (int i = 1; i <= sparsely_judged; ++i) judged.insert(frames * i / sparsely_judged);
   return {judged.begin(), judged.end()};
 }
@@ -67,11 +75,12 @@ EffectTrial run_once(const Scene& scene, const TrialRequest& request, const std:
   run.colliders = choose_collider_backends(exact_where_the_scene_chooses(scene, backend), scene, backend);
   run.responses = choose_responses("", scene, backend, run.parameters, run.colliders);
   require_what_effects_need(scene, backend, run.parameters, run.responses, run.colliders);
+  run.judges_wishes = true;
   run.judged_frames = judged_frames(scene, request);
   // Frames that are left out pay for the others. Where none is, a trial finds what the judge of a run finds.
   if (!run.judged_frames.empty()) run.judging_effort = scene.loop.frames / static_cast<long>(run.judged_frames.size());
   run.keeps_shared = true;
-  run.snapshots = {middle_frame(scene)};
+  run.snapshots = shape_frames(scene);
   run.keep_surface_depths = false;
   if (request.shows_enough) {
     run.has_seen_enough = [&](const StepRecord& frame, const MuscleAtRest& rest) {

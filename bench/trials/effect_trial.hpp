@@ -13,11 +13,12 @@ namespace musclebench {
 
 /// A run of a whole motion that shows what a set of effects holds.
 struct EffectTrial {
-  std::vector<RequiredFigure> figures;    ///< at the worst moment of each requirement
-  std::vector<std::vector<Vec3>> shapes;  ///< in the middle and at the end; fewer where the run ended before
-  ArmCourse arms = {};                    ///< where the scene has fibres to follow
-  std::string refusal = {};               ///< why the scene can't be run with these effects; empty: it was
-  bool was_stopped = false;               ///< it had shown enough before its end
+  std::vector<RequiredFigure> figures;  ///< at the worst moment of each requirement
+  std::vector<std::vector<Vec3>>
+      shapes;                ///< in some eight frames, the last with them; fewer where the run ended before
+  ArmCourse arms = {};       ///< where the scene has fibres to follow
+  std::string refusal = {};  ///< why the scene can't be run with these effects; empty: it was
+  bool was_stopped = false;  ///< it had shown enough before its end
   bool judged_all_frames = false;
   int frames = 0;
   Nanoseconds cpu_ns = 0;

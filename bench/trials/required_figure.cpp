@@ -17,7 +17,7 @@ namespace {
 /// Of a fibre's length: less is what contact and rounding leave.
 constexpr double least_slack = 1e-3;
 
-/// "nodes through a bone" to "node through a bone".
+/// "nodes through a bone" to "node through a bone": what is counted stands first.
 std::string of_one(std::string counted) { return counted.erase(counted.find('s'), 1); }
 
 /// Keeps the worst of each requirement.
@@ -164,7 +164,7 @@ double RequiredFigure::excess() const { return limit > 0 ? value / limit : 1 + v
 std::string RequiredFigure::value_text() const {
   switch (requirement) {
     case Requirement::whole_surface:
-      return fmt::format("{:.3g} times", value);
+      return std::isinf(value) ? "a run that diverges" : fmt::format("{:.3g} times", value);
     case Requirement::volume:
     case Requirement::taut_fibres:
       return in_percent(value);
@@ -177,7 +177,8 @@ std::string RequiredFigure::value_text() const {
     case Requirement::returned_shape:
       return in_millimetres(value);
     case Requirement::trusted_run:
-      return holds() ? "a run that is ok" : "a suspect run";
+      if (holds()) return "a run that is ok";
+      return where.starts_with("diverges") ? "a run that diverges" : "a suspect run";
   }
   return {};
 }
@@ -193,8 +194,10 @@ std::string RequiredFigure::text() const {
   switch (requirement) {
     case Requirement::whole_surface:
       if (std::isinf(value)) return "the run diverges";
-      return fmt::format("one edge of a hundred is {} as long as at rest, or longer{}", value_text(), wanted);
+      return fmt::format("one edge of a hundred is {} as long as at rest, or longer ({}limit {})", value_text(), moment,
+                         at_limit.value_text());
     case Requirement::volume:
+      if (where.empty()) return "a volume is wanted and can't be judged: no muscle has a closed surface";
       if (std::isinf(value)) return where + " is turned inside out";
       return fmt::format("the volume of {} is off by {}{}", where, value_text(), wanted);
     case Requirement::taut_fibres:
@@ -211,6 +214,7 @@ std::string RequiredFigure::text() const {
     case Requirement::trusted_run:
       return "the run " + where;
     case Requirement::returned_shape:
+      if (where.empty()) return "a return is wanted and can't be judged: bones do not come back";
       return fmt::format("{} ends {} (RMS) from where it began{}", where, value_text(), wanted);
   }
   return {};
@@ -240,6 +244,13 @@ std::vector<RequiredFigure> figures_of_run(const Scene& scene, const RunResult& 
          scene.wanted.volume_share, scene.muscles[static_cast<std::size_t>(run.outcome.volume_muscle)].body.name,
          run.outcome.when_volume});
   }
+  constexpr double unknown = std::numeric_limits<double>::infinity();
+  if (!run.outcome.max_volume_error && asks_for(scene.wanted, Requirement::volume)) {
+    figures.push_back({Requirement::volume, unknown, scene.wanted.volume_share});
+  }
+  if (!comes_back(scene) && asks_for(scene.wanted, Requirement::returned_shape)) {
+    figures.push_back({Requirement::returned_shape, unknown, scene.wanted.returned_m});
+  }
   if (!run.end_positions.empty() && comes_back(scene)) {
     const LargestDistance moved = largest_rms_distance(scene.bodies(), run.start_positions, run.end_positions);
     figures.push_back({Requirement::returned_shape,
@@ -249,9 +260,10 @@ std::vector<RequiredFigure> figures_of_run(const Scene& scene, const RunResult& 
                        {scene.loop.frames, 0}});
   }
   add_slack(scene, run, figures);
-  const bool diverges = run.status == "diverged";
-  figures.push_back({Requirement::trusted_run, run.status == "suspect" || diverges ? 1.0 : 0.0, 0,
-                     (diverges ? "diverges: " : "is suspect: ") + run.status_detail});
+  const std::string why = run.status == "diverged"  ? "diverges: " + run.status_detail
+                          : run.status == "suspect" ? "is suspect: " + run.status_detail
+                                                    : "is ok";
+  figures.push_back({Requirement::trusted_run, why == "is ok" ? 0.0 : 1.0, 0, why});
   std::ranges::sort(figures, {}, &RequiredFigure::requirement);
   return figures;
 }

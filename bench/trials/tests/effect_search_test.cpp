@@ -133,6 +133,15 @@ TEST(EffectSearch, WhatMendsMuchMaySpoilALittle) {
   EXPECT_NE(choice.unmet.front().text().find("off by 1.16 %"), std::string::npos) << choice.unmet.front().text();
 }
 
+TEST(EffectSearch, WhatLeavesARunThatDivergesMendsNothing) {
+  Scene scene = scene_of(whole_ball);
+  const EffectChoice choice = searched(scene, [](const Scene&) {
+    return std::vector{figure(Requirement::whole_surface, std::numeric_limits<double>::infinity(), 3)};
+  });
+  EXPECT_TRUE(choice.added.empty());
+  EXPECT_FALSE(choice.holds());
+}
+
 /// What was added first does nothing once the second is there.
 TEST(EffectSearch, WhatBecameNeedlessIsTakenAwayAgain) {
   Scene scene = scene_of(whole_ball);

@@ -37,7 +37,7 @@ TEST(EffectTrial, ShowsWhatPassesWithoutAGuard) {
   const EffectTrial trial = try_effects(scene, {}, {});
   ASSERT_TRUE(trial.is_whole());
   EXPECT_EQ(trial.frames, scene.loop.frames);
-  ASSERT_EQ(trial.shapes.size(), 2U);
+  ASSERT_EQ(trial.shapes.size(), 8U);
   const RequiredFigure* passed = find_figure(trial.figures, Requirement::bone_passage);
   ASSERT_NE(passed, nullptr);
   EXPECT_EQ(passed->value, static_cast<double>(scene.muscle_mesh.vertices.size()));
