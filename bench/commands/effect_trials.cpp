@@ -5,6 +5,7 @@
 #include "bench/commands/command_options.hpp"
 #include "bench/process/progress.hpp"
 #include "bench/results/kept_effects.hpp"
+#include "bench/trials/addition.hpp"
 #include "core/base/input_error.hpp"
 
 namespace musclebench {
@@ -37,14 +38,16 @@ bool waits_for_trials(const Scene& scene) { return scene.auto_effects.wanted && 
 namespace {
 
 /// What an earlier search found, unless that is asked again.
-EffectChoice find_or_choose_effects(const SceneChoice& choice, Scene& scene, bool searches_again) {
+EffectChoice find_or_choose_effects(const SceneChoice& choice, Scene& scene, const WantedEffectsOptions& options) {
   const auto file = kept_effects_file(scene, resolved_scene(choice, scene));
-  if (file && !searches_again) {
+  if (file && !options.searches_again) {
     if (const std::optional<EffectChoice> kept = add_kept_effects(*file, scene)) {
       fmt::print(stderr, "musclebench: {}: effects as an earlier search found them ({})\n", scene.name, file->string());
       return *kept;
     }
   }
+  if (options.before_search) options.before_search(with_all_additions(scene));
+  fmt::print(stderr, "musclebench: {}: looking for effects by trial runs\n", scene.name);
   EffectChoice found = choose_effects_with_progress(scene, {});  // the run itself judges all frames
   if (found.was_refused) throw InputError(scene.file, "no trial can be run: " + found.unmet.front().text());
   if (file) keep_effects(*file, scene, found);
@@ -53,9 +56,9 @@ EffectChoice find_or_choose_effects(const SceneChoice& choice, Scene& scene, boo
 
 }  // namespace
 
-void add_wanted_effects(const SceneChoice& choice, Scene& scene, bool searches_again) {
+void add_wanted_effects(const SceneChoice& choice, Scene& scene, const WantedEffectsOptions& options) {
   if (!waits_for_trials(scene)) return;
-  const EffectChoice found = find_or_choose_effects(choice, scene, searches_again);
+  const EffectChoice found = find_or_choose_effects(choice, scene, options);
   scene.warnings = warnings_of(scene);
   print_warnings(scene.name, scene.warnings);
   scene.auto_effects.resolved_text = resolved_scene(choice, scene);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -21,10 +22,15 @@ EffectChoice choose_effects_with_progress(Scene& scene, const SearchOptions& opt
 /// Whether the effects of the scene are left to trial runs: it asks for effects and says what it wants.
 bool waits_for_trials(const Scene& scene);
 
+struct WantedEffectsOptions {
+  bool searches_again = false;                                  ///< even where an earlier search is known
+  std::function<void(const Scene& widest)> before_search = {};  ///< of the scene with all that may be added
+};
+
 /// Adds to a scene that asks for effects and says what it wants those that it takes, and tells them and its warnings on
-/// standard error; what does not hold becomes a warning, too. What an earlier search found for the same scene is used,
-/// unless `searches_again`. Leaves other scenes alone. Throws InputError where no trial can be run.
-void add_wanted_effects(const SceneChoice& choice, Scene& scene, bool searches_again = false);
+/// standard error; what does not hold becomes a warning, too. Takes them from an earlier search of the same scene, or
+/// searches. Leaves other scenes alone. Throws InputError where no trial can be run.
+void add_wanted_effects(const SceneChoice& choice, Scene& scene, const WantedEffectsOptions& options = {});
 
 /// Throws InputError for such a scene: `what` would not have the effects that a run has.
 void require_named_effects(const Scene& scene, const std::string& what);

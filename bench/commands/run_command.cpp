@@ -167,10 +167,18 @@ int conclude(std::string_view scene, std::string_view status, std::string_view s
   return strict ? exit_not_held : 0;
 }
 
-/// A signal waits until the trial files are gone again.
-void require_writable_unharmed(const std::string& out) {
+/// A signal waits until the folder that this tries out is gone again.
+void require_writable_with_signals_held(const std::string& out) {
   const HeldSignals held;
   require_writable(out);
+}
+
+/// What is wrong with the command is said before a search for effects takes its time.
+void check_options(const RunOptions& options, const BackendEntry& backend, const Parameters& parameters,
+                   const Scene& scene) {
+  const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
+  (void)choose_responses(options.backend.response, scene, backend, parameters, colliders);
+  if (!options.out.empty()) require_writable_with_signals_held(options.out);
 }
 
 int run(RunOptions options) {
@@ -188,10 +196,9 @@ int run(RunOptions options) {
   }
   options.scene.choice.wanted_overrides = wanted_overrides(options.wanted);
   Scene scene = load_scene(options.scene);
-  // What is wrong with the command is said before a search for effects takes its time.
-  (void)choose_collider_backends(options.backend.colliders, scene, backend);
-  if (!options.out.empty()) require_writable_unharmed(options.out);
-  add_wanted_effects(choice_of(options.scene), scene, options.force);
+  add_wanted_effects(choice_of(options.scene), scene, {options.force, [&](const Scene& widest) {
+                                                         check_options(options, backend, parameters, widest);
+                                                       }});
   std::sort(options.snapshots.begin(), options.snapshots.end());
   const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
   const std::vector<ResponseKind> responses =
@@ -207,6 +214,7 @@ int run(RunOptions options) {
     scene.warnings.push_back({"wanted", "what is wanted is not looked at: --no-referee leaves the run unjudged"});
     print_warnings(scene.name, {scene.warnings.back()});
   }
+  run_of.judges_wishes = !scene.wanted.own_values.empty();
   run_of.snapshots = options.snapshots;
   run_of.count_self_intersections = options.self_intersections;
   run_of.prune = !options.unpruned;
@@ -220,7 +228,7 @@ int run(RunOptions options) {
   if (!options.force) {
     require_no_other_case(out, run_of, "coupled");
   }
-  require_writable_unharmed(out);
+  require_writable_with_signals_held(out);
   if (!options.snapshots.empty() && options.snapshots.back() > scene.loop.frames) {
     fmt::print(stderr, "musclebench: warning: --snapshots: frame {} is not among the {} frames of the run\n",
                options.snapshots.back(), scene.loop.frames);
@@ -300,7 +308,8 @@ void add_run_command(CLI::App& app, int& exit_code) {
                     "Exit with code 1 if the run ends `suspect`: an outcome is beyond a limit of `musclebench list`");
   command->add_flag("--no-pruning", options->unpruned,
                     "Build structures for all bones, also for bones that no muscle is expected to touch");
-  command->add_flag("--force", options->force, "Run again even if the result is complete");
+  command->add_flag("--force", options->force,
+                    "Run again even if the result is complete, and search for effects again");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -1,15 +1,17 @@
 #include "bench/results/kept_effects.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
+#include <string_view>
 
 #include <fmt/format.h>
 
 #include "bench/results/manifest.hpp"
 #include "core/base/atomic_file.hpp"
 #include "core/base/input_error.hpp"
+#include "core/base/input_file.hpp"
 #include "core/base/sha256.hpp"
 #include "core/effects/effect_registry.hpp"
 #include "core/scene/check/auto_effects.hpp"
@@ -20,18 +22,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string text_in(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 /// By its bytes: a version does not tell what was changed since. Empty where they can't be read.
 std::string hash_of_this_program() {
-  const std::string program = text_in("/proc/self/exe");
-  if (program.empty()) return {};
+  std::ifstream program("/proc/self/exe", std::ios::binary);
+  std::array<char, 1 << 16> block;
   Sha256 hash;
-  hash.add(program);
-  return hash.hex_digest();
+  while (program.read(block.data(), block.size()) || program.gcount() > 0) {
+    hash.add(std::string_view(block.data(), static_cast<std::size_t>(program.gcount())));
+  }
+  return program.eof() ? hash.hex_digest() : std::string();
 }
 
 fs::path cache_folder() {
@@ -40,22 +39,27 @@ fs::path cache_folder() {
   return home != nullptr && *home == '/' ? fs::path(home) / ".cache" : fs::path();
 }
 
+/// Those that the search gave; a default that is given is another scene to the checker.
 Json json_of_values(const Scene& scene, const std::string& name) {
   Json values = Json::array();
   const auto effect = std::ranges::find(scene.effects, name, &SceneEffect::name);
   if (effect == scene.effects.end()) return values;
   for (const auto& [key, value] : effect->parameters.values()) {
-    values.push_back(fmt::format("{}={}", key, format_parameter_value(value)));
+    if (effect->parameters.given(key)) values.push_back(fmt::format("{}={}", key, format_parameter_value(value)));
   }
   return values;
 }
 
-/// Throws InputError for what this program does not know.
+/// Throws InputError for what this program does not know, or a search would not add.
 void add_kept(const Json& kept, const std::string& file, Scene& scene) {
   const std::string name = kept.at("effect");
   const std::string rule = kept.at("rule");
   const std::string reason = kept.at("reason");
+  if (std::ranges::any_of(rule + reason, [](unsigned char letter) { return letter < ' '; })) {
+    throw InputError(file, "has a reason of several lines");
+  }
   if (const EffectEntry* entry = find_effect(name)) {
+    if (!may_add_effect(scene, name)) throw InputError(file, "has an effect that the scene has or keeps out");
     add_effect(scene, {name, parse_assignments(kept.at("values"), file, entry->parameters)}, rule, reason);
     return;
   }
@@ -63,6 +67,7 @@ void add_kept(const Json& kept, const std::string& file, Scene& scene) {
   for (int first = 0; first < muscles; ++first) {
     for (int second = first + 1; second < muscles; ++second) {
       if (name_of_muscle_contact(scene, {first, second}) != name) continue;
+      if (!may_add_muscle_contact(scene, {first, second})) break;
       add_muscle_contact(scene, {first, second}, rule, reason);
       return;
     }
@@ -74,8 +79,8 @@ void add_kept(const Json& kept, const std::string& file, Scene& scene) {
 
 std::optional<fs::path> kept_effects_file(const Scene& scene, const std::string& resolved_text) {
   const fs::path folder = cache_folder();
-  const std::string program = hash_of_this_program();
-  if (folder.empty() || program.empty()) return std::nullopt;
+  const std::string program = folder.empty() ? std::string() : hash_of_this_program();
+  if (program.empty()) return std::nullopt;
   Json search = {{"program", program}, {"scene", resolved_text}, {"kept_out", Json::array()}};
   for (const EffectExclusion& exclusion : scene.exclusions) search["kept_out"].push_back(exclusion.effect);
   if (scene.auto_effects.keeps_out_muscle_contact) search["kept_out"].push_back("muscle_contact");
@@ -83,11 +88,11 @@ std::optional<fs::path> kept_effects_file(const Scene& scene, const std::string&
 }
 
 std::optional<EffectChoice> add_kept_effects(const fs::path& file, Scene& scene) {
-  const Json kept = Json::parse(text_in(file), nullptr, false);
-  if (!kept.is_object()) return std::nullopt;
   try {
+    const Json kept = Json::parse(InputFile(file).text());
     Scene with = scene;
     EffectChoice choice;
+    if (!kept.at("added").is_array() || !kept.at("unmet").is_array()) return std::nullopt;
     for (const Json& added : kept.at("added")) add_kept(added, file.string(), with);
     for (const Json& unmet : kept.at("unmet")) choice.unmet.push_back({unmet.at("what"), unmet.at("tried")});
     choice.added = with.auto_effects.added;

@@ -9,16 +9,16 @@
 
 namespace musclebench {
 
-/// The file that keeps what a search for effects finds for `scene`: in $XDG_CACHE_HOME or ~/.cache, named by a hash of
-/// the scene before the search, its meshes, and this program. `resolved_text`: the scene in full, with `[wanted]`.
-/// Nothing where there is no such folder, or the program can't be read.
+/// The file that keeps what a search for effects finds for `scene`. It lies in $XDG_CACHE_HOME or ~/.cache. Its name is
+/// a hash of the scene before the search, its meshes, what it keeps out, and this program. `resolved_text`: the scene
+/// in full, with `[wanted]`. Nothing where there is no such folder, or the program can't be read.
 std::optional<std::filesystem::path> kept_effects_file(const Scene& scene, const std::string& resolved_text);
 
-/// Adds to the scene what an earlier search found: `added` and `unmet`. Nothing, and the scene as it was, where there
-/// is no such file or it can't be used.
+/// Adds to the scene what an earlier search found, and returns that: `added` and `unmet`, nothing else. Where there is
+/// no such file, or it can't be used, the scene stays as it was and nothing is returned.
 std::optional<EffectChoice> add_kept_effects(const std::filesystem::path& file, Scene& scene);
 
-/// `scene`: with what was found. Where nothing can be written, the next run searches again.
+/// Writes what was found and added to `scene`, for add_kept_effects. Where that fails the next run searches again.
 void keep_effects(const std::filesystem::path& file, const Scene& scene, const EffectChoice& found);
 
 }  // namespace musclebench

@@ -284,7 +284,7 @@ def test_fibres_that_shorten_make_the_muscle_bulge(run):
     assert width_of_belly(found) == pytest.approx(1 / np.sqrt(0.8), rel=0.03)
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_fibres_that_pull_keep_a_muscle_straight_while_its_ends_come_closer(run):
     """Brought nearer by a fifth of its length: without them its axis folds up."""
     taut = run("fibre_force", "--forces", frames=(60,))

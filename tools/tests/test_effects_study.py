@@ -71,7 +71,7 @@ def test_a_set_is_told_to_the_program_as_a_difference():
     assert EffectSet(OWN, STANDARD).options(STANDARD) == []
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_complete_runs_are_kept_and_every_set_has_a_row(study, tmp_path):
     code, text, errors, called = study("--quick")
     assert code == 0, errors
@@ -224,14 +224,14 @@ def test_costs_are_columns_and_differences(measured):
     assert rows.loc["margin", ["own_ms", "saved_ms"]].isna().all()  # fake runs have no such column
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_shapes_are_compared_with_that_of_all_effects(measured, tmp_path):
     tables, _ = write_report(measured({OWN: (10, {}), ALL: (12, {})}), {}, {}, {}, tmp_path / "out")
     changes = next(table for table in tables if table.name == "effect_changes").rows.set_index("set")
     assert changes.loc[OWN, "shape_mm"] == pytest.approx(2) and changes.loc[ALL, "shape_mm"] == 0
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_figures_fit_the_page(measured, tmp_path, monkeypatch):
     kept = {}
     keep_figures(monkeypatch, kept)

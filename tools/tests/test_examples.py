@@ -71,7 +71,7 @@ def test_the_readmes_commands_run_as_they_are_printed(knee):
     assert [bone["name"] for bone in record["bones"]] == ["tibia", "femur"]
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @needs_program
 def test_a_study_of_the_example_gives_tables_and_figures(knee, tmp_path):
     """Of a few frames and cases."""

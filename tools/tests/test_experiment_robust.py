@@ -97,7 +97,7 @@ def undisturbed(trial, tmp_path):
     return answers(tmp_path / "undisturbed")
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.parametrize("wanted", KILLS)
 def test_kill_9_at_random_moments_loses_nothing_complete(wanted, trial, tmp_path, undisturbed, capfd):
     moments, kills, ended, refusals = random.Random(3), 0, 0, 0
@@ -141,7 +141,7 @@ def test_the_table_of_frames_says_that_the_motion_was_squeezed(trial, tmp_path):
     assert all("squeezed into 12 frames" in path.read_text() for path in (tmp_path / "out").glob("frame_spread.[mt]*"))
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.skipif(not HAS_NAMESPACES, reason="no mount namespaces here (unshare -m)")
 def test_a_full_disk_keeps_what_is_complete(trial, tmp_path, undisturbed):
     (tmp_path / "disk").mkdir()
@@ -159,7 +159,7 @@ def test_a_full_disk_keeps_what_is_complete(trial, tmp_path, undisturbed):
     assert (tmp_path / "answers.csv").read_bytes() == undisturbed
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.skipif(not HAS_NAMESPACES, reason="no mount namespaces here (unshare -m)")
 def test_a_read_only_folder_is_one_line(trial, tmp_path):
     (tmp_path / "disk").mkdir()
@@ -168,7 +168,7 @@ def test_a_read_only_folder_is_one_line(trial, tmp_path):
     assert done.returncode == 2 and done.stderr.count("\n") == 1 and "Read-only file system" in done.stderr
 
 
-@pytest.mark.slow
+@pytest.mark.long
 def test_two_runners_do_not_share_a_folder_and_ctrl_c_says_what_is_kept(trial, tmp_path, undisturbed):
     out = tmp_path / "out"
     first = subprocess.Popen(command(trial, out), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
@@ -217,7 +217,7 @@ def test_what_the_system_killed_for_want_of_memory_is_told_apart(trial, tmp_path
         assert worker.finish() == status
 
 
-@pytest.mark.slow
+@pytest.mark.long
 @needs_program
 def test_a_kill_of_the_real_program_changes_no_answer(trial, tmp_path):
     trial.write_text(TRIAL.replace('"synthetic/iliacus", "synthetic/gluteus_medius"', '"hard/resting_contact"'))

@@ -140,7 +140,7 @@ INSTANTIATE_TEST_SUITE_P(Hard, StrippedScene,
 /// Every scene that shows an effect, and every hard one. Takes minutes; asked for by .ci/weekly.
 TEST(TriedScenes, DISABLED_EveryStrippedSceneIsCalledRight) {
   int scenes = 0;
-  int mended = 0;
+  int ok = 0;
   for (const EmbeddedFile& file : embedded_scenes()) {
     if (!file.name.starts_with("hard/") && !file.name.starts_with("effects/")) continue;
     SCOPED_TRACE(file.name);
@@ -148,11 +148,13 @@ TEST(TriedScenes, DISABLED_EveryStrippedSceneIsCalledRight) {
     const Searched found = expect_that_no_effect_is_missed(scene);
     if (found.before == "refused") continue;
     ++scenes;
-    mended += found.after == "ok" ? 1 : 0;
+    ok += found.after == "ok" ? 1 : 0;
     EXPECT_EQ(found.needless, std::vector<std::string>());
     fmt::print("{}: {}, then {}\n", file.name, found.before, found.after);
   }
-  fmt::print("{} scenes: {} ok in the end\n", scenes, mended);
+  fmt::print("{} scenes: {} ok in the end\n", scenes, ok);
+  EXPECT_GE(scenes, 69);
+  EXPECT_GE(ok, 56);
 }
 
 /// Takes minutes; asked for by .ci/weekly. MUSCLEBENCH_TRIED_SCENES: how many.

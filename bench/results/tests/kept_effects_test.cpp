@@ -4,6 +4,7 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -28,8 +29,11 @@ Scene two_balls_near_a_bone() {
 /// With the cache in a folder of its own.
 class KeptEffects : public testing::Test {
  protected:
-  void SetUp() override { setenv("XDG_CACHE_HOME", m_folder.path().c_str(), 1); }
-  void TearDown() override { unsetenv("XDG_CACHE_HOME"); }
+  void SetUp() override {
+    if (const char* before = std::getenv("XDG_CACHE_HOME")) m_before = before;
+    setenv("XDG_CACHE_HOME", m_folder.path().c_str(), 1);
+  }
+  void TearDown() override { m_before ? setenv("XDG_CACHE_HOME", m_before->c_str(), 1) : unsetenv("XDG_CACHE_HOME"); }
 
   static EffectChoice added_to(Scene& scene) {
     add_effect(scene, {"surface_contact", {{"skin_m", 1.25e-4}}}, "trial", "it was deep");
@@ -41,6 +45,7 @@ class KeptEffects : public testing::Test {
   }
 
   TemporaryFolder m_folder;
+  std::optional<std::string> m_before;
 };
 
 TEST_F(KeptEffects, AreThoseThatWereFound) {
@@ -56,7 +61,11 @@ TEST_F(KeptEffects, AreThoseThatWereFound) {
   ASSERT_EQ(scene.effects.size(), found.effects.size());
   for (std::size_t i = 0; i < found.effects.size(); ++i) {
     EXPECT_EQ(scene.effects[i].name, found.effects[i].name);
-    EXPECT_EQ(scene.effects[i].parameters.values(), found.effects[i].parameters.values());
+    const Parameters& parameters = scene.effects[i].parameters;
+    EXPECT_EQ(parameters.values(), found.effects[i].parameters.values());
+    for (const auto& [key, value] : parameters.values()) {
+      EXPECT_EQ(parameters.given(key), found.effects[i].parameters.given(key)) << key;
+    }
   }
   ASSERT_EQ(scene.muscle_pairs.size(), 1U);
   EXPECT_EQ(scene.muscle_pairs[0].muscles, (MusclePair{0, 1}));
@@ -98,6 +107,8 @@ TEST_F(KeptEffects, ThatCanNotBeUsedLeaveTheSceneAsItWas) {
     EXPECT_EQ(scene.effects.size(), effects) << text;
     EXPECT_TRUE(scene.auto_effects.added.empty()) << text;
   }
+  Scene scene = two_balls_near_a_bone();
+  EXPECT_FALSE(add_kept_effects(m_folder.path(), scene)) << "a folder";
 }
 
 TEST_F(KeptEffects, ThatCanNotBeWrittenAreNone) {
