@@ -43,10 +43,11 @@ std::vector<std::string> TomlTable::keys() const {
 }
 
 void TomlTable::refuse_key_of_the_file(const std::string& key) const {
-  if (key != "effects" && key != "preset" && key != "title") return;
-  throw InputError(location(key),
-                   "is a key of the file, and a table takes in all keys below it: put it above the "
-                   "first line that begins with [");
+  if (m_prefix.empty() || (key != "effects" && key != "preset" && key != "title")) return;
+  const char* cure = key == "effects" ? "; with [effects.NAME] tables write auto = true below [effects] instead" : "";
+  throw InputError(location(key), fmt::format("is a key of the file, and a table takes in all keys below it: put it "
+                                              "above the first line that begins with [{}",
+                                              cure));
 }
 
 void TomlTable::allow_only(const std::vector<std::string>& known) const {

@@ -131,12 +131,12 @@ namespace {
 void change_motions(toml::table& root, const std::map<std::string, ParameterValue>& overrides) {
   toml::array* bones = root["bone"].as_array();
   for (std::size_t i = 0; bones != nullptr && i < bones->size(); ++i) {
-    // Of several [[bone.motion]] none can be meant (read_motion).
-    toml::table* motion = (*bones->get(i)->as_table())["motion"].as_table();
-    if (motion == nullptr) continue;
-    for (const auto& [key, value] : overrides) {
-      std::visit([&, &name = key](const auto& held) { motion->insert_or_assign(name, held); }, value);
-    }
+    // Several [[bone.motion]] and overrides are refused (read_motion).
+    for_each_table(*bones->get(i)->as_table(), "motion", [&](toml::table& motion) {
+      for (const auto& [key, value] : overrides) {
+        std::visit([&, &name = key](const auto& held) { motion.insert_or_assign(name, held); }, value);
+      }
+    });
   }
 }
 

@@ -143,16 +143,30 @@ TEST(ResolvedScene, KeepsFirstContactAndTellsItsReasons) {
   EXPECT_NE(text.find("# Added [volume]: "), std::string::npos) << text;
 }
 
-TEST(ResolvedScene, HasAllMotionsOfABone) {
-  const std::string motions = "[" + turning(70).insert(13, "]") + "[" + turning(20).insert(13, "]");
-  const SceneRequest request = request_of("[loop]\nframes = 10\n" + bone_text("plate", motions) + muscle_text("ball"));
+/// The pose of the plate in the middle of the motion, of the scene and of its resolved text.
+void expect_same_motion(const SceneRequest& request) {
   const Scene scene = read_scene(request);
-  ASSERT_EQ(scene.motions[0].rotations.size(), 2U);
   std::vector<RigidMotion> poses, same;
   scene.poses_at(7, poses);
-  read_scene(request_of(resolved_scene_text(request, scene))).poses_at(7, same);
-  EXPECT_EQ(same[0].rotation, poses[0].rotation);
-  EXPECT_EQ(same[0].translation_m, poses[0].translation_m);
+  const std::string text = resolved_scene_text(request, scene);
+  read_scene(request_of(text)).poses_at(7, same);
+  EXPECT_EQ(same[0].rotation, poses[0].rotation) << text;
+  EXPECT_EQ(same[0].translation_m, poses[0].translation_m) << text;
+  EXPECT_FALSE(poses[0].rotation.isIdentity(1e-3)) << text;
+}
+
+TEST(ResolvedScene, HasAllMotionsOfABone) {
+  const auto listed = [](double degrees) { return "[" + turning(degrees).insert(13, "]"); };
+  const auto scene_of = [](const std::string& motions) {
+    return request_of("[loop]\nframes = 10\n" + bone_text("plate", motions) + muscle_text("ball"));
+  };
+  expect_same_motion(scene_of(listed(70) + listed(20)));
+  expect_same_motion(scene_of("motion = {axis = [0, 1, 0], centre_m = [0, 0, 0], from_deg = 0, to_deg = 30}\n"));
+  for (const std::string& one : {listed(70), turning(70)}) {
+    SceneRequest request = scene_of(one);
+    request.motion_overrides = {{"to_deg", 20.0}};
+    expect_same_motion(request);
+  }
 }
 
 }  // namespace
