@@ -59,7 +59,7 @@ class ThinBones {
 /// nothing, how far a muscle is stretched.
 class CoupledJudge {
  public:
-  /// `simulation` has not made a frame yet. `threads`: that it runs on, or 1 for more work.
+  /// `simulation` has not made a frame yet. `threads`: a frame's budget is divided by it.
   /// `declared_missed_m`: of a bone, how deep the contacts may be that its backend declares that it misses
   /// (AnswerBound); infinite counts as nothing declared. Asked only where a contact was missed. `effort`: times the
   /// usual budget.

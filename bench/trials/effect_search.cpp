@@ -26,7 +26,7 @@ constexpr double tolerated_harm = 0.5;
 constexpr double largest_excess = 1e6;
 constexpr const char* trial_rule = "trial";
 
-/// By which a shape may move without that an effect is missed: coarse wishes make no other shape the same.
+/// A shape that moves by less counts as the same. A coarse wish does not raise this.
 double felt_m(const Scene& scene) { return std::min(scene.wanted.surface_m, Wanted().surface_m); }
 
 /// What changes in a scene during a search. Its bones and muscles stay, and with them what was built over them.
@@ -58,6 +58,11 @@ double badness(const RequiredFigure& figure) {
 
 bool diverges(const RequiredFigure& figure) {
   return figure.requirement == Requirement::whole_surface && std::isinf(figure.value);
+}
+
+bool run_diverges(const EffectTrial& trial) {
+  const RequiredFigure* surface = find_figure(trial.figures, Requirement::whole_surface);
+  return surface != nullptr && diverges(*surface);
 }
 
 /// An excess that is not halved is not mended.
@@ -196,8 +201,7 @@ class EffectSearch {
   /// Of a figure that is worse than now; 0 for others. What nobody judged before held.
   [[nodiscard]] double harm(const RequiredFigure& figure) const {
     // A run that diverges did not come to what it would have spoilt.
-    const RequiredFigure* surface = find_figure(m_now.figures, Requirement::whole_surface);
-    if (surface != nullptr && diverges(*surface)) return 0;
+    if (run_diverges(m_now)) return 0;
     const RequiredFigure* now = find_figure(m_now.figures, figure.requirement);
     if (now == nullptr) return badness(figure);
     const double grown = badness(figure) - badness(*now);
@@ -215,7 +219,8 @@ class EffectSearch {
 
   /// By how much a trial is better than now; nothing where it does not mend the figure, or spoils too much.
   [[nodiscard]] std::optional<double> gain(const RequiredFigure& broken, const EffectTrial& trial) const {
-    if (!trial.is_whole()) return std::nullopt;
+    // One that diverges, too, may have done so before it came to what is broken.
+    if (!trial.is_whole() || (run_diverges(m_now) && run_diverges(trial))) return std::nullopt;
     const RequiredFigure* mended = find_figure(trial.figures, broken.requirement);
     if (mended == nullptr || is_too_little(broken, *mended)) return std::nullopt;
     double spoilt = 0;
@@ -236,8 +241,10 @@ class EffectSearch {
     const auto worse = std::ranges::find_if(trial.figures, [&](const RequiredFigure& other) {
       return other.requirement != broken.requirement && is_worse(other);
     });
-    if (worse == trial.figures.end())
-      return is_told ? words : words + (figure == nullptr ? " does not tell" : " is no better");
+    if (worse == trial.figures.end()) {
+      if (!is_told) words += figure == nullptr ? " does not tell" : " is no better";
+      return words;
+    }
     return fmt::format("{}{}{}", words, is_told ? ", and " : " spoils other things: ", worse->text());
   }
 
@@ -265,7 +272,7 @@ class EffectSearch {
 
   /// One after the other, and those before it left out: what two of them do alike is needed once.
   void look_for_needless() {
-    if (m_now.shapes.empty()) return;  // it diverges
+    if (m_now.shapes.empty() || run_diverges(m_now)) return;
     const EffectSet whole = set_of(m_scene);
     for (const std::string& effect : m_own) {
       const EffectSet before = set_of(m_scene);

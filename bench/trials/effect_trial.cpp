@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t small_scene = 100'000;
 constexpr int sparsely_judged = 20;
 
-/// Where shapes are kept: in an odd number of places, so that a motion to and fro is also met on its way.
+/// Where shapes are kept: between start, middle and end, too, where a bone may be as it was at rest.
 std::vector<int> shape_frames(const Scene& scene) {
   constexpr int parts = 8;
   std::set<int> frames;

@@ -15,7 +15,7 @@ namespace musclebench {
 struct EffectTrial {
   std::vector<RequiredFigure> figures;  ///< at the worst moment of each requirement
   std::vector<std::vector<Vec3>>
-      shapes;                ///< in some eight frames, the last with them; fewer where the run ended before
+      shapes;                ///< in up to eight frames, the last included; fewer where the run ended before
   ArmCourse arms = {};       ///< where the scene has fibres to follow
   std::string refusal = {};  ///< why the scene can't be run with these effects; empty: it was
   bool was_stopped = false;  ///< it had shown enough before its end

@@ -135,10 +135,15 @@ TEST(EffectSearch, WhatMendsMuchMaySpoilALittle) {
 
 TEST(EffectSearch, WhatLeavesARunThatDivergesMendsNothing) {
   Scene scene = scene_of(whole_ball);
-  const EffectChoice choice = searched(scene, [](const Scene&) {
-    return std::vector{figure(Requirement::whole_surface, std::numeric_limits<double>::infinity(), 3)};
-  });
+  const EffectChoice choice = searched(
+      scene,
+      [](const Scene& tried) {
+        return std::vector{figure(Requirement::whole_surface, std::numeric_limits<double>::infinity(), 3),
+                           figure(Requirement::bone_depth, depth_m(tried, "surface_contact", 0), 1e-4)};
+      },
+      true);
   EXPECT_TRUE(choice.added.empty());
+  EXPECT_TRUE(choice.needless.empty());
   EXPECT_FALSE(choice.holds());
 }
 
