@@ -193,13 +193,13 @@ bool check_scene_of(const CheckRequest& request) {
     throw InputError("--out " + request.out, "is the scene itself; give another file");
   }
   if (!request.out.empty() && std::filesystem::path(request.out).extension() != ".toml") {
-    throw InputError("--out " + request.out, "is written as a scene; give a name that ends in .toml");
+    throw InputError("--out " + request.out, "is written as a scene; give a name such as found.toml");
   }
-  if (std::filesystem::is_directory(request.out)) {
+  if (std::filesystem::is_directory(request.out, no_such_file)) {
     throw InputError("--out " + request.out, "is a folder; give a file");
   }
   const std::filesystem::path folder = std::filesystem::path(request.out).parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder)) {
+  if (!folder.empty() && !std::filesystem::is_directory(folder, no_such_file)) {
     throw InputError("--out " + request.out, "is in a folder that does not exist; make it first");
   }
   const Scene before = scene;
