@@ -25,6 +25,9 @@ constexpr long judging_factor = 18;
 constexpr long budgets_at_rest = 20;
 /// A shape that is kept is looked at more closely: of the largest muscle of the LHDL hip 8 suffice.
 constexpr long budgets_of_a_shape = 20;
+/// Of a frame, whatever its size: some 2 ms. Two small muscles that fly through each other within ten frames would be
+/// looked at once else, before or after.
+constexpr long least_budget = 100'000;
 /// A unit of the Referee's work, and what a node costs the loop in a substep and iteration, alone and for every effect.
 /// Calibrated on one thread of the EPYC that the reports are measured on, with the preset `paper` (5 effects) and no
 /// collision: four LHDL muscles take 66 to 100 ns a node and substep, which these constants, from below, call 60. A
@@ -356,7 +359,8 @@ long judging_budget(const Scene& scene, int threads) {
   const auto nodes = static_cast<long>(scene.muscle_mesh.vertices.size());
   const auto effects = static_cast<long>(scene.effects.size());
   const long steps = static_cast<long>(scene.loop.substeps) * scene.loop.iterations;
-  return judging_factor * nodes * steps * (node_ns + effects * node_and_effect_ns) / work_unit_ns / threads;
+  return std::max(least_budget,
+                  judging_factor * nodes * steps * (node_ns + effects * node_and_effect_ns) / work_unit_ns / threads);
 }
 
 }  // namespace musclebench

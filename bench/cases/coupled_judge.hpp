@@ -137,7 +137,7 @@ class CoupledJudge {
 
 /// Work in the unit of RefereeTree that judging a frame may take: 18 times the time of the frame itself on `threads`,
 /// which is estimated from below from the size of the scene alone, so that the same case is judged alike on any
-/// machine. The nodes are always judged, at most one distance and one winding number a bone and detection, and
+/// machine; some 2 ms at least. The nodes are always judged, at most one distance and one winding number a bone and detection, and
 /// followed; bones' vertices and then the muscle's surface take what is left. An eighth of the budget is for each of
 /// the two even where nodes leave nothing, and each may exceed its share by what it looks at last. Triangles that pass
 /// through others are looked for in whole frames, as soon as an eighth of each frame's budget, or what it has left,
