@@ -21,6 +21,25 @@ void add_step(Sha256& hash, std::span<const Contact> contacts) {
   hash.add(std::as_bytes(contacts));
 }
 
+static_assert(sizeof(Vec3) == 24, "the hash of a position may not contain padding");
+static_assert(sizeof(RigidMotion) == 96, "nor that of a pose");
+
+void add_queries(Sha256& hash, const RecordedStep& step) {
+  hash.add(std::as_bytes(std::span(step.bone_poses)));
+  hash.add(std::as_bytes(std::span(step.positions)));
+}
+
+/// The largest of all bones.
+AnswerBound declared_bound(const CollisionBackend& backend, int bones) {
+  AnswerBound declared;
+  for (int bone = 0; bone < bones; ++bone) {
+    const AnswerBound bound = backend.answer_bound(bone);
+    declared.missed_depth_m = std::max(declared.missed_depth_m, bound.missed_depth_m);
+    declared.false_distance_m = std::max(declared.false_distance_m, bound.false_distance_m);
+  }
+  return declared;
+}
+
 class Replayer {
  public:
   Replayer(const ReplayCase& replay, FrameSource& recording, const std::function<void(int)>& report)
@@ -33,6 +52,7 @@ class Replayer {
     m_result.build_ns = built.build_ns;
     m_reach = std::move(built.reach);
     m_result.structures = m_backend->structure_origin();
+    m_result.declared = declared_bound(*m_backend, static_cast<int>(m_replay.scene.bones.size()));
     move_to_huge_pages();
 
     const Nanoseconds start_ns = monotonic_now_ns();
@@ -78,6 +98,7 @@ class Replayer {
 
   std::string timed_pass() {
     Sha256 hash;
+    Sha256 queries;
     Response response(m_replay.scene.responses(m_replay.responses), m_replay.scene.bodies());
     std::vector<std::vector<Contact>> answers;
     for_each_frame([&](const RecordedFrame& frame) {
@@ -100,8 +121,10 @@ class Replayer {
         m_by_muscle.add_contacts(answer, record);
         add_step(hash, answer);
       }
+      for (const RecordedStep& step : frame.steps) add_queries(queries, step);
       m_result.records.push_back(std::move(record));
     });
+    m_result.queries_hash = queries.hex_digest().substr(0, 16);
     return hash.hex_digest().substr(0, 16);
   }
 

@@ -31,7 +31,9 @@ struct ReplayResult {
   /// Where the backend believes the bones' surfaces are; nothing where nobody judged, or where it can't be asked about
   /// single nodes.
   std::optional<SurfaceOffsets> offsets;
-  std::string contact_hash;  ///< of all contacts of all steps, in their order, to the last bit
+  std::string contact_hash;   ///< of all contacts of all steps, in their order, to the last bit
+  std::string queries_hash;   ///< of all poses and positions that were asked about, in the same way
+  AnswerBound declared = {};  ///< the largest of all bones
   std::size_t structure_bytes = 0;
   std::vector<PrunedResult> pruned;
   StructureOrigin structures = {};

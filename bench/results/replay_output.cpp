@@ -127,7 +127,11 @@ Json manifest(const ReplayCase& replay, const ReplayResult& result, const Record
   json["accuracy"] = result.accuracy ? json_of(*result.accuracy) : Json(nullptr);
   json["surface_offset"] = json_of(result.offsets, replay.scene);
   json["accuracy_of_muscles"] = json_of_muscles(replay, result);
+  // No number where nothing is declared: JSON has no infinity.
+  json["declared"] = {{"missed_depth_m", result.declared.missed_depth_m},
+                      {"false_distance_m", result.declared.false_distance_m}};
   json["contact_hash"] = result.contact_hash;
+  json["queries_hash"] = result.queries_hash;
   add_muscles(json, replay, result.muscles);
   json["wall_ns"] = result.wall_ns;
   json["frames"] = result.records.size();

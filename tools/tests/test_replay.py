@@ -82,8 +82,10 @@ def test_the_exact_backend_answers_its_own_recording_exactly(recording, tmp_path
 
 @pytest.mark.parametrize("backend", ["null", "voxel", "sdf", "fcl", "brute_force"])
 def test_every_backend_is_asked_the_same(recording, tmp_path, backend):
-    exact = replay(recording, tmp_path / "exact")[0]["accuracy"]
+    told_exact, _ = replay(recording, tmp_path / "exact")
     manifest, _ = replay(recording, tmp_path / "out", backend=backend)
+    exact, declared = told_exact["accuracy"], manifest["declared"]
+    assert manifest["queries_hash"] == told_exact["queries_hash"] and manifest["contact_hash"] != told_exact["queries_hash"]
     accuracy, offset = manifest["accuracy"], manifest["surface_offset"]
     assert offset is None or offset["sites"] == sum(kind["sites"] for kind in offset["of_difficulties"]) > 0
     assert accuracy["true_contacts"] == exact["true_contacts"]
@@ -95,12 +97,14 @@ def test_every_backend_is_asked_the_same(recording, tmp_path, backend):
     if backend == "voxel":
         assert accuracy["missed_contacts"] == 0
         assert accuracy["max_depth_error_m"] is None and accuracy["max_normal_error_deg"] is None
+        assert accuracy["max_false_distance_m"] < declared["false_distance_m"] < 0.1
         assert offset["max_offset_m"] < 1e-9  # the grid ends where the box does
     if backend == "sdf":
         assert 0 < accuracy["max_depth_error_m"] < 1e-3
         assert offset["max_offset_m"] < 1e-3
+        assert accuracy["max_missed_depth_m"] < declared["missed_depth_m"] < 1e-2
     if backend == "fcl":  # it collides surfaces
-        assert offset is None
+        assert offset is None and declared["missed_depth_m"] is None
     if backend == "brute_force":
         assert offset["max_offset_m"] == 0
 
@@ -111,8 +115,9 @@ def test_threads_change_no_contact(recording, tmp_path):
 
 
 def test_a_stride_keeps_the_last_frame(recording, tmp_path):
-    whole = replay(recording, tmp_path / "whole")[1]
-    part = replay(recording, tmp_path / "part", "--stride", 4)[1]
+    told_whole, whole = replay(recording, tmp_path / "whole")
+    told_part, part = replay(recording, tmp_path / "part", "--stride", 4)
+    assert told_whole["queries_hash"] != told_part["queries_hash"]
     assert list(part.frame) == [4, 8, 10]
     same = whole[whole.frame.isin(part.frame)].reset_index(drop=True)
     of_the_machine = [column for column in part.columns if column.endswith("_ns")] + ["warm_up", "involuntary_switches"]

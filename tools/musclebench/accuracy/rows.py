@@ -72,7 +72,7 @@ def _case_row(case: StudyCase) -> dict:
         **{key: number(record, "accuracy", key) for key in ACCURACY_KEYS},
         **{key: number(record, "surface_offset", key) for key in OFFSET_KEYS},
         **{f"outcome_{key}": number(record, "outcome", key) for key in OUTCOME_KEYS},
-        "contact_hash": record.get("contact_hash"), "state_hash": record.get("state_hash"),
+        "contact_hash": record.get("contact_hash"), "queries_hash": record.get("queries_hash"), "state_hash": record.get("state_hash"),
         "recording_sha256": recording.get("sha256"), "wall_ns": record.get("wall_ns"), "git": build.get("git"),
         "compiler": build.get("compiler"), "flags": build.get("flags"), "cpu": machine.get("cpu"),
         "run_id": record.get("run_id"),
