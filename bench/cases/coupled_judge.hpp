@@ -137,11 +137,11 @@ class CoupledJudge {
 
 /// Work in the unit of RefereeTree that judging a frame may take: 18 times the time of the frame itself on `threads`,
 /// which is estimated from below from the size of the scene alone, so that the same case is judged alike on any
-/// machine; some 2 ms at least. The nodes are always judged, at most one distance and one winding number a bone and detection, and
-/// followed; bones' vertices and then the muscle's surface take what is left. An eighth of the budget is for each of
-/// the two even where nodes leave nothing, and each may exceed its share by what it looks at last. Triangles that pass
-/// through others are looked for in whole frames, as soon as an eighth of each frame's budget, or what it has left,
-/// adds up to the work of the last such test: in each frame of an anatomical scene.
+/// machine; some 2 ms at least. The nodes are always judged, at most one distance and one winding number a bone and
+/// detection, and followed; bones' vertices and then the muscle's surface take what is left. An eighth of the budget is
+/// for each of the two even where nodes leave nothing, and each may exceed its share by what it looks at last.
+/// Triangles that pass through others are looked for in whole frames, as soon as an eighth of each frame's budget, or
+/// what it has left, adds up to the work of the last such test: in each frame of an anatomical scene.
 long judging_budget(const Scene& scene, int threads = 1);
 
 }  // namespace musclebench
