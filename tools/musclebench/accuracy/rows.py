@@ -5,6 +5,7 @@ import math
 
 import pandas as pd
 
+from ..results.records import inner
 from ..results.run_folder import COLLISION_STAGES, count_of_warnings
 from ..results.statistics import paired_ratio
 from .aggregates import Aggregate, number, unit_of_price
@@ -82,8 +83,11 @@ def _case_row(case: StudyCase) -> dict:
 def _aggregate_row(aggregate: Aggregate, aggregates: list[Aggregate], measured: dict) -> dict:
     time, ratio = aggregate.collision_ms, ratio_to(aggregate, unit_of_price(aggregates, aggregate))
     stages = {stage.replace("_ns", "_ms"): aggregate.stage_ms(stage) for stage in COLLISION_STAGES}
+    chosen, record = aggregate.configuration, aggregate.ok[0].run.record if aggregate.ok else {}
     return {
-        **_identity(aggregate.mode, aggregate.scene, aggregate.configuration), "status": aggregate.status,
+        **_identity(aggregate.mode, aggregate.scene, chosen), "spoken": chosen.spoken, "series": chosen.series,
+        "fineness": chosen.fineness, "is_default": chosen.is_default, "is_advised": chosen.is_advised,
+        "is_control": chosen.about.is_control, "status": aggregate.status,
         "detail": aggregate.detail, "is_disturbed": aggregate.is_disturbed,
         "repetitions": len(aggregate.cases), "ok_repetitions": len(aggregate.ok),
         "distinct_answers": len(aggregate.answers) or None,
@@ -95,6 +99,10 @@ def _aggregate_row(aggregate: Aggregate, aggregates: list[Aggregate], measured: 
         **{key: aggregate.number("surface_offset", key) for key in OFFSET_KEYS},
         **{f"outcome_{key}": aggregate.number("outcome", key) for key in OUTCOME_KEYS},
         "verdict": aggregate.verdict if aggregate.is_right_or_wrong else "",
+        "stride": inner(record, "recording", "stride"),
+        "declared_missed_m": aggregate.number("declared", "missed_depth_m"),
+        "declared_false_m": aggregate.number("declared", "false_distance_m"),
+        **{name: record.get(name) for name in ("queries_hash", "contact_hash", "state_hash")},
     }
 
 
