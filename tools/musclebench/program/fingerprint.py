@@ -35,11 +35,11 @@ def seal(folder: Path, print_of_case: dict) -> None:
     (folder / FILE_NAME).write_text(json.dumps(print_of_case) + "\n")
 
 
-def write_whole(path: Path, text: str) -> None:
+def write_whole(path: Path, text: str | bytes) -> None:
     """Under a temporary name first: the file is there whole or as it was."""
     part = path.with_name(f".{path.name}.{os.getpid()}")
     try:
-        part.write_text(text)
+        part.write_bytes(text if isinstance(text, bytes) else text.encode())
         os.replace(part, path)
     finally:
         part.unlink(missing_ok=True)

@@ -1,0 +1,1 @@
+"""The board: what others measured, in bundles that anyone can check, and a site that ranks it."""

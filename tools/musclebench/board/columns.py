@@ -1,0 +1,68 @@
+"""The rows of a bundle: one a configuration of a backend on a scene. Lengths are mm, times of a frame ms."""
+
+import re
+from dataclasses import dataclass
+
+from ..results.status import MEANINGS
+
+NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _.,:/=+()-]{0,119}")
+HASH = re.compile(r"[0-9a-f]{16}")
+MOST_CHARACTERS = 500
+STATUSES = (*MEANINGS, "missing", "killed")
+DIFFICULTIES = ("flat", "ridge", "concave", "thin", "attached_border")
+
+
+@dataclass(frozen=True)
+class Column:
+    name: str
+    kind: str  # name, text, status, hash, count, number, flag
+    help: str  # with its unit
+    is_required: bool = False
+
+
+COLUMNS = (
+    Column("scene", "name", "as `musclebench list` names it, or a file", True),
+    Column("backend", "name", "as the program names it", True),
+    Column("configuration", "name", "backend with what differs from its defaults", True),
+    Column("spoken", "text", "the same as people say it"),
+    Column("parameters", "text", "JSON object of what differs from the defaults", True),
+    Column("threads", "count", "that the backend used", True),
+    Column("series", "text", "the curve over resolutions on which it lies"),
+    Column("fineness", "number", "grows with resolution along a curve"),
+    Column("is_default", "flag", "without any parameter"),
+    Column("is_advised", "flag", "as its makers or users advise"),
+    Column("is_control", "flag", "the loop without collision"),
+    Column("status", "status", "of the replay", True),
+    Column("detail", "text", "why it is not ok"),
+    Column("verdict", "text", "of a backend without a resolution: right, or wrong and why"),
+    Column("stride", "count", "every so many-th frame was asked"),
+    Column("frames", "count", "that were timed"),
+    Column("repetitions", "count", "that ended well"),
+    Column("time_ms", "number", "collision time of a frame, at recorded positions: median"),
+    Column("time_ms_low", "number", "95 % interval"),
+    Column("time_ms_high", "number", "95 % interval"),
+    Column("build_s", "number", "time before the first frame, to build its structures"),
+    Column("structure_bytes", "count", "memory of its structures"),
+    Column("offset_mm", "number", "surface offset: how far its surface is from the true one, 99th percentile over contacts"),
+    Column("max_offset_mm", "number", "the largest"),
+    *(Column(f"{kind}_mm", "number", f"surface offset of contacts of the difficulty {kind.replace('_', ' ')}") for kind in DIFFICULTIES),
+    Column("missed_mm", "number", "depth of the deepest contact that it missed"),
+    Column("false_mm", "number", "distance of the farthest node that it found wrongly"),
+    Column("declared_missed_mm", "number", "no deeper contact is missed, by its own word"),
+    Column("declared_false_mm", "number", "no node farther outside is found, by its own word"),
+    Column("left_mm", "number", "depth that it leaves where it drives the muscle, 99th percentile over contacts"),
+    Column("own_ms", "number", "collision time of a frame where it drives the muscle: median"),
+    Column("own_ms_low", "number", "95 % interval"),
+    Column("own_ms_high", "number", "95 % interval"),
+    Column("arm_mm", "number", "moment arm off by, RMS over the motion"),
+    Column("arm_floor_mm", "number", "what rounding does to the arm by itself"),
+    Column("pressure_percent", "number", "peak contact pressure off by, RMS"),
+    Column("pressure_floor_percent", "number", "what rounding does to it"),
+    Column("torque_percent", "number", "joint torque off by, RMS"),
+    Column("torque_floor_percent", "number", "what rounding does to it"),
+    Column("is_disturbed", "flag", "the machine was busy with something else"),
+    Column("queries_hash", "hash", "of all positions that were asked about: the query set"),
+    Column("contact_hash", "hash", "of all its answers at them, to the last bit"),
+    Column("state_hash", "hash", "of positions and velocities at the end where it drives the muscle"),
+)
+NAMES = tuple(column.name for column in COLUMNS)

@@ -1,0 +1,220 @@
+"""Reads bundles that strangers send. What is not exactly as it should be is refused in one line."""
+
+import csv
+import hashlib
+import io
+import json
+import math
+import re
+import zipfile
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+
+import pandas as pd
+
+from ..program.cli import Problem
+from .bundle import FORMAT, HEADER, ROWS, SHAPES, Bundle, Told
+from .columns import COLUMNS, HASH, MOST_CHARACTERS, NAME, NAMES, STATUSES, Column
+
+LARGEST_ZIP = 16_000_000  # bytes
+LARGEST_PARTS = {HEADER: 200_000, ROWS: 5_000_000, SHAPES: 12_000_000}
+MOST_ROWS = 5_000
+MOST_COUNT = 2**53  # a browser's numbers are whole up to here
+DEEPEST = 12  # tables in tables
+TEXTS = ("title", "measured", "commit", "command")
+TABLES = {"machine": ("cpu", "cores"), "build": ("compiler", "flags")}
+ABOUT: dict[str, tuple[str, ...]] = {"backends": ("implementation", "source", "licence"), "scenes": ("licence",)}
+Cell = str | float | int | bool
+CONTROL = re.compile(r"[\x00-\x1f\x7f\u202a-\u202e\u2066-\u2069]")
+DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
+
+
+def read_bundle(path: Path) -> Bundle:
+    """Raises Problem with the file, the place and what is wrong."""
+    try:
+        parts = _parts(path)
+        header = _json(parts[HEADER], HEADER)
+        _check_header(header)
+        for name, data in parts.items():
+            if name != HEADER and header["files"].get(name) != hashlib.sha256(data).hexdigest():
+                raise Problem(f"{name} is not the one that {HEADER} names (sha256)")
+        rows = _rows(parts[ROWS])
+        _check_told(header, rows)
+        shapes = _shapes(parts[SHAPES], header) if SHAPES in parts else None
+        return Bundle(header, rows, shapes, str(path))
+    except Problem as problem:
+        raise Problem(f"{path}: {problem}; tools/bundle makes it anew from results") from None
+
+
+def _parts(path: Path) -> dict[str, bytes]:
+    try:
+        if path.stat().st_size > LARGEST_ZIP:
+            raise Problem(f"has more than {LARGEST_ZIP / 1e6:g} MB")
+        with zipfile.ZipFile(path) as file:
+            names = [info.filename for info in file.infolist()]
+            if strange := sorted(set(names) - set(LARGEST_PARTS)):
+                raise Problem(f"holds {strange[0][:80]!r}, and only {', '.join(LARGEST_PARTS)} belong into it")
+            if len(names) != len(set(names)):
+                raise Problem("holds a file twice")
+            if missing := {HEADER, ROWS} - set(names):
+                raise Problem(f"lacks {sorted(missing)[0]}")
+            return {name: _unpacked(file, name) for name in names}
+    except OSError as problem:
+        raise Problem(f"can't be read ({problem.strerror or problem})") from None
+    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, ValueError) as problem:
+        raise Problem(f"is no zip that can be read ({problem})") from None
+
+
+def _unpacked(file: zipfile.ZipFile, name: str) -> bytes:
+    """What the zip says of its own sizes may be a lie."""
+    with file.open(name) as part:
+        data = part.read(LARGEST_PARTS[name] + 1)
+    if len(data) > LARGEST_PARTS[name]:
+        raise Problem(f"{name} has more than {LARGEST_PARTS[name] / 1e6:g} MB")
+    return data
+
+
+def _json(data: bytes, name: str) -> Told:
+    def refuse(word: str) -> None:
+        raise Problem(f"{name} holds {word}, which is no number")
+
+    try:
+        told: Told = json.loads(data.decode(), parse_constant=refuse)
+    except (ValueError, RecursionError) as problem:
+        raise Problem(f"{name} is not JSON ({str(problem)[:80]})") from None
+    if not isinstance(told, dict):
+        raise Problem(f"{name} is not a table of keys")
+    for where, value, depth in _leaves(told, name, 0):
+        if depth > DEEPEST:
+            raise Problem(f"{name} has tables in tables deeper than {DEEPEST}")
+        if isinstance(value, float) and not math.isfinite(value):
+            raise Problem(f"{where[:80]} is no number")
+        if isinstance(value, str) and CONTROL.search(value):
+            raise Problem(f"{where[:80]!r} has control characters")
+    return told
+
+
+def _shapes(data: bytes, header: Told) -> Told:
+    """Their numbers are a browser's to read: what it can't draw stays on the page of that scene."""
+    told = _json(data, SHAPES)
+    for scene, about in told.items():
+        if scene not in header["scenes"] or not isinstance(about, dict) or set(about) != {"scenes", "meshes"}:
+            raise Problem(f"{SHAPES} tells of {scene[:60]!r}, which is no scene of the bundle")
+        runs = about["scenes"]
+        if not isinstance(runs, list) or not runs or not isinstance(runs[0], dict) or not NAME.fullmatch(str(runs[0].get("muscle"))):
+            raise Problem(f"{SHAPES}, {scene[:60]}: lacks its muscle")
+    return told
+
+
+def _leaves(value: object, where: str, depth: int) -> Iterator[tuple[str, object, int]]:
+    """Keys, too."""
+    inner: Iterable[tuple[object, object]] = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    if depth <= DEEPEST:
+        for key, one in inner:
+            if isinstance(key, str):
+                yield f"{where}, a key", key, depth
+            yield from _leaves(one, f"{where}, {key}", depth + 1)
+    yield where, value, depth
+
+
+def _check_header(header: Told) -> None:
+    if header.get("format") != FORMAT:
+        raise Problem(f"{HEADER} has format {str(header.get('format'))[:20]}, and this tool reads {FORMAT}")
+    for key in TEXTS:
+        _check_text(header, key)
+    if not DATE.fullmatch(header["measured"]):
+        raise Problem(f"{HEADER}, measured: {header['measured'][:20]!r} is no date like 2026-11-30")
+    for table in (*TABLES, "state", "backends", "scenes", "files"):
+        if not isinstance(header.get(table), dict):
+            raise Problem(f"{HEADER} lacks the table {table!r}")
+        for key in TABLES.get(table, ()):
+            if key == "cores" and _is_count(header[table].get(key)):
+                continue
+            _check_text(header[table], key, f"{table}.")
+    for table, keys in ABOUT.items():
+        for name, about in header[table].items():
+            if not NAME.fullmatch(name) or not isinstance(about, dict):
+                raise Problem(f"{HEADER}, {table}: {name[:60]!r} is no name")
+            for key in keys:
+                _check_text(about, key, f"{table}.{name}.")
+
+
+def _check_text(table: Told, key: str, where: str = "") -> None:
+    value = table.get(key)
+    if not isinstance(value, str) or not value or len(value) > MOST_CHARACTERS:
+        raise Problem(f"{HEADER} lacks {where}{key}, a text of at most {MOST_CHARACTERS} characters")
+
+
+def _is_count(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value <= MOST_COUNT
+
+
+def _rows(data: bytes) -> pd.DataFrame:
+    try:
+        lines = csv.reader(io.StringIO(data.decode()), strict=True)
+        heads: list[str] = next(lines, [])
+        if heads != list(NAMES):
+            wrong = sorted(set(heads) ^ set(NAMES))
+            raise Problem(f"{ROWS} has other columns than format {FORMAT} ({wrong[0][:60] if wrong else 'their order'})")
+        rows = []
+        for number, cells in enumerate(lines, 2):
+            if number > MOST_ROWS + 1:
+                raise Problem(f"{ROWS} has more than {MOST_ROWS} rows")
+            if len(cells) != len(NAMES):
+                raise Problem(f"{ROWS}, line {number}, has {len(cells)} cells, not {len(NAMES)}")
+            rows.append([_value(column, cell, number) for column, cell in zip(COLUMNS, cells)])
+    except (csv.Error, UnicodeDecodeError) as problem:
+        raise Problem(f"{ROWS} is no table ({problem})") from None
+    if not rows:
+        raise Problem(f"{ROWS} has no row")
+    table = pd.DataFrame(rows, columns=list(NAMES))
+    if table.duplicated(["scene", "backend", "configuration", "threads"]).any():
+        raise Problem(f"{ROWS} has a configuration twice")
+    return table
+
+
+def _value(column: Column, cell: str, line: int) -> Cell:
+    if cell == "":
+        if column.is_required:
+            raise Problem(f"{ROWS}, line {line}, lacks {column.name}")
+        return False if column.kind == "flag" else "" if column.kind in ("name", "text", "status", "hash") else math.nan
+    try:
+        return _READ[column.kind](column, cell)
+    except ValueError:
+        raise Problem(f"{ROWS}, line {line}, {column.name}: {cell[:60]!r} is no {column.kind}") from None
+
+
+def _of(is_right: object, value: Cell) -> Cell:
+    if not is_right:
+        raise ValueError
+    return value
+
+
+def _number(column: Column, cell: str) -> Cell:
+    """A time is more than nothing."""
+    value = float(cell)
+    least = 0.0 if not column.name.endswith("_ms") else 1e-9
+    return _of(least <= value < 1e15, value)
+
+
+_READ: dict[str, Callable[[Column, str], Cell]] = {
+    "name": lambda column, cell: _of(NAME.fullmatch(cell), cell),
+    "text": lambda column, cell: _of(len(cell) <= MOST_CHARACTERS and not CONTROL.search(cell)
+                                     and (column.name != "parameters" or isinstance(json.loads(cell), dict)), cell),
+    "status": lambda column, cell: _of(cell in STATUSES, cell),
+    "hash": lambda column, cell: _of(HASH.fullmatch(cell), cell),
+    "count": lambda column, cell: _of(float(cell).is_integer() and 0 <= float(cell) <= MOST_COUNT, int(float(cell))),
+    "number": _number,
+    "flag": lambda column, cell: _of(cell in ("True", "False"), cell == "True"),
+}
+
+
+def _check_told(header: Told, rows: pd.DataFrame) -> None:
+    """Every backend and scene of the rows has its licence; an interval holds its median."""
+    for table, column in (("backends", "backend"), ("scenes", "scene")):
+        if missing := sorted(set(rows[column]) - set(header[table])):
+            raise Problem(f"{HEADER}, {table}, does not tell of {missing[0][:60]}")
+    for name in ("time_ms", "own_ms"):
+        low, value, high = rows[f"{name}_low"], rows[name], rows[f"{name}_high"]
+        if ((low > value) | (value > high) | (value.isna() & (low.notna() | high.notna()))).any():
+            raise Problem(f"{ROWS}: {name} lies outside its interval")
