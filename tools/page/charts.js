@@ -1,6 +1,6 @@
 // A figure of the page: its chart, zoom, keys, what a screen reader hears, and the rows behind it.
 import { BarChart, CustomChart, LineChart, ScatterChart } from "echarts/charts";
-import { DataZoomComponent, GridComponent, MarkAreaComponent, ToolboxComponent, TooltipComponent } from "echarts/components";
+import { DataZoomComponent, GridComponent, MarkAreaComponent, MarkLineComponent, ToolboxComponent, TooltipComponent } from "echarts/components";
 import { init, use } from "echarts/core";
 import { SVGRenderer } from "echarts/renderers";
 
@@ -11,8 +11,8 @@ import { pointsOf } from "./points.js";
 import { fillTable, rowsOf, saveCsv } from "./rows.js";
 import { ink } from "./words.js";
 
-use([BarChart, CustomChart, LineChart, ScatterChart, DataZoomComponent, GridComponent, MarkAreaComponent, ToolboxComponent,
-  TooltipComponent, SVGRenderer]);
+use([BarChart, CustomChart, LineChart, ScatterChart, DataZoomComponent, GridComponent, MarkAreaComponent, MarkLineComponent,
+  ToolboxComponent, TooltipComponent, SVGRenderer]);
 
 const KINDS = { lines: linesOf, points: pointsOf, bars: barsOf, nights: nightsOf };
 const SWITCHED_OFF = "All series of this chart are switched off. Switch a series on above.";
@@ -21,15 +21,16 @@ const PAPER_PIXELS = 640;
 const NAME_PIXELS = 14;
 const ZOOM_STEP = 0.25; // of what is seen, at either end
 
-export async function startChart(figure, choice) {
+// `feed`: what to draw, {spec, rows}, asked again at each change of the choice; those of the figure unless told.
+export async function startChart(figure, choice, feed = null) {
   const box = figure.querySelector(".chart");
-  const spec = JSON.parse(figure.dataset.spec);
-  const rows = await rowsOf(figure.dataset.rows);
+  const own = feed ? null : { spec: JSON.parse(figure.dataset.spec), rows: await rowsOf(figure.dataset.rows) };
   const heard = figure.querySelector(".heard");
   const chart = init(box, null, { renderer: "svg" });
   let drawn = null, withApart = true;
 
   const draw = () => {
+    const { spec, rows } = own ?? feed();
     const mine = rows.filter((row) => isChosen(figure, choice, row));
     const isApart = (row) => spec.apart && row[spec.apart] !== "here";
     const shown = mine.filter((row) => (row.backend === undefined || choice.shows(row.backend)) && (withApart || !isApart(row)));

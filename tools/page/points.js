@@ -22,12 +22,18 @@ export function pointsOf(spec, rows, choice) {
   const place = (row) => [row[spec.x.column], heights.get(row)];
   const series = [...frontOf(sorted, heights, spec), ...curvesOf(points, place, choice), barsOf(points, spec, heights, choice)];
   const first = series.length;
-  series.push(...marksOf(sorted, place, choice));
+  series.push(...marksOf(sorted, place, choice, (row) => spec.cut > 0 && !(row[spec.y.column] <= spec.cut)));
   if (hasBand) {
     series[first].markArea = {
       silent: true, itemStyle: { color: ink("band") }, label: { position: "insideBottomLeft", color: ink("quiet"), fontSize: 11 },
       data: [[{ name: exactWords, yAxis: bottom }, { yAxis: low }]],
     };
+  }
+  if (spec.cut > 0 && series[first]) {
+    series[first] = { ...series[first], markLine: {
+      silent: true, symbol: "none", data: [{ yAxis: Math.min(high, Math.max(spec.cut, inBand)) }], animation: false,
+      lineStyle: { color: ink("accent"), type: "solid", width: 2 }, label: { position: "insideEndTop", color: ink("accent"), formatter: "the error I can live with" },
+    } };
   }
   const times = points.flatMap((row) => [row[spec.x.column], row.time_ms_low, row.time_ms_high]).filter((time) => time > 0);
   const told = (row) => tellOf(spec, row, exact, exactWords);
@@ -37,7 +43,8 @@ export function pointsOf(spec, rows, choice) {
       tooltip: { trigger: "item", formatter: (one) => (one.data?.row ? told(one.data.row).map(escaped).join("<br>") : "") },
       xAxis: { type: "log", min: times.length ? 0.6 * Math.min(...times) : undefined, max: times.length ? 1.6 * Math.max(...times) : undefined,
         axisLabel: { color: ink("text"), formatter: decade, hideOverlap: true } },
-      yAxis: { type: "log", min: bottom, max: high, nameGap: 54,
+      grid: { left: 92 },
+      yAxis: { type: "log", min: bottom, max: high, nameGap: 68,
         axisLabel: { color: ink("text"), formatter: (value) => (value < 0.99 * low ? "" : decade(value)) } },
     },
     stops: sorted.map((row) => {
@@ -99,7 +106,8 @@ function barsOf(points, spec, heights, choice) {
   };
 }
 
-function marksOf(sorted, place, choice) {
+// `isOut`: beyond the error that is asked for.
+function marksOf(sorted, place, choice, isOut) {
   const backends = [...new Set(sorted.map((row) => row.backend))];
   return backends.map((backend) => {
     const color = choice.colour(backend);
@@ -110,7 +118,7 @@ function marksOf(sorted, place, choice) {
         value: place(row), row, symbolSize: sizeOf(row.structure_bytes),
         symbol: row.is_wrong ? CROSS : SYMBOLS[Math.max(0, styleOf(sorted, row)) % SYMBOLS.length],
         itemStyle: row.is_wrong || row.is_substitute ? { color: "none", borderColor: color, borderWidth: 2 }
-          : { color, opacity: 1, borderColor: row.on_front ? ink("text") : ink("page"), borderWidth: row.on_front ? 1.8 : 0.6 },
+          : { color, opacity: isOut(row) ? 0.25 : 1, borderColor: row.on_front ? ink("text") : ink("page"), borderWidth: row.on_front ? 1.8 : 0.6 },
       })),
     };
   });

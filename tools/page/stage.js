@@ -70,6 +70,19 @@ export class Stage {
     this.draw();
   }
 
+  // Where the camera is, where it looks, and its zoom.
+  get sight() {
+    return [...this.camera.position.toArray(), ...this.controls.target.toArray(), this.camera.zoom];
+  }
+
+  set sight(values) {
+    if (values.length !== 7 || !values.every(Number.isFinite)) return;
+    this.camera.position.set(...values.slice(0, 3));
+    this.controls.target.set(...values.slice(3, 6));
+    this.controls.update();
+    this.zoom(values[6] / this.camera.zoom);
+  }
+
   turn(right, up) {
     const offset = this.camera.position.clone().sub(this.controls.target);
     offset.applyAxisAngle(this.camera.up, -TURN_RADIANS * right);

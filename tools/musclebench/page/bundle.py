@@ -19,15 +19,18 @@ KEPT_BUNDLES = 4
 IMPATIENT = ("--fetch-retries=1", "--fetch-timeout=30000")  # without a network it shall say so soon
 
 
-def page_script(sources: Path = SOURCES, built: Path = BUILT) -> str:
+PAGE, BOARD = "main.js", "board.js"  # what a script begins with
+
+
+def page_script(sources: Path = SOURCES, built: Path = BUILT, entry: str = PAGE) -> str:
     """As one script without imports; made again when a source or a version changes. Raises Problem where npm is missing or
     the libraries can't be had."""
-    made = script_file(sources, built)
+    made = script_file(sources, built, entry)
     if not made.is_file():
         libraries = installed(sources, built)
         built.mkdir(parents=True, exist_ok=True)
-        write_whole(made, _bundled(sources / "main.js", libraries))
-        for old in sorted(built.glob("page-*.js"), key=os.path.getmtime)[:-KEPT_BUNDLES]:
+        write_whole(made, _bundled(sources / entry, libraries))
+        for old in sorted(built.glob(f"{_kind(entry)}-*.js"), key=os.path.getmtime)[:-KEPT_BUNDLES]:
             old.unlink()
     return made.read_text(encoding="utf-8")
 
@@ -37,8 +40,12 @@ def is_built(sources: Path = SOURCES, built: Path = BUILT) -> bool:
     return script_file(sources, built).is_file()
 
 
-def script_file(sources: Path, built: Path) -> Path:
-    return built / f"page-{_digest([*sorted(sources.glob('*.js')), *(sources / name for name in LOCKED)])}.js"
+def script_file(sources: Path, built: Path, entry: str = PAGE) -> Path:
+    return built / f"{_kind(entry)}-{_digest([*sorted(sources.glob('*.js')), *(sources / name for name in LOCKED)])}.js"
+
+
+def _kind(entry: str) -> str:
+    return "page" if entry == PAGE else entry.removesuffix(".js")
 
 
 def installed(sources: Path = SOURCES, built: Path = BUILT, with_tests: bool = False) -> Path:

@@ -1,0 +1,63 @@
+#!/usr/bin/python3
+"""Makes the board of bundles. Options: musclebench/options/board.py."""
+
+import sys
+from pathlib import Path
+
+from musclebench.board.bundle import Bundle
+from musclebench.board.hard_cases import HardCase, hard_cases
+from musclebench.board.made import bundle_of
+from musclebench.board.reading import read_bundle
+from musclebench.board.recompute import recompute
+from musclebench.board.site import write_site
+from musclebench.board.standing import REFUTED
+from musclebench.options.board import check, parse_arguments
+from musclebench.program.cli import Problem, run_command
+from musclebench.program.registry import read_registry
+from musclebench.publish.measured import SOURCE, Measured
+from musclebench.results.run_folder import ResultProblem
+
+ACCURACY, HARD = "accuracy-", "hard-"
+CODE_REFUTED = 3
+
+
+def read_all(paths: list[Path]) -> tuple[list[Bundle], list[HardCase]]:
+    bundles, hard = [], []
+    for path in paths:
+        studies = Measured(path).studies if path.is_dir() and not (path / SOURCE).is_file() else []
+        for one in [path / study for study in studies] or [path]:
+            if one.name.startswith(HARD) and one.is_dir():
+                hard += hard_cases(one)
+            elif one is path or one.name.startswith(ACCURACY):
+                bundles.append(bundle_of(one) if one.is_dir() else read_bundle(one))
+    return bundles, hard
+
+
+def say(text: str) -> None:
+    print(f"board: {text}", file=sys.stderr, flush=True)
+
+
+def make(options) -> int:
+    check(options)
+    (bundles, hard), (recomputed, _) = read_all(options.bundles), read_all(options.recomputed)
+    if not bundles:
+        raise Problem(f"{options.bundles[0]}: holds no study of accuracy; tools/accuracy measures one")
+    answers = [bundle.rows for bundle in recomputed]
+    if options.recompute:
+        answers.append(recompute(bundles, options.musclebench, read_registry(options.musclebench), options.data, options.longest, say))
+    rows = write_site(bundles, answers, hard, options.out)
+    counts = ", ".join(f"{count} {name}" for name, count in rows["standing"].value_counts().items())
+    print(f"{options.out / 'index.html'}: {len(rows)} settings of {rows['backend'].nunique()} backends on {rows['machine'].nunique()} "
+          f"machine{'s' if rows['machine'].nunique() > 1 else ''}: {counts}; {(rows['why_not'] != '').sum()} are shown and can't win")
+    refuted = rows[rows["standing"] == REFUTED]
+    for row in refuted.to_dict("records"):
+        print(f"refuted: {row['configuration']} on {row['scene']}, of {bundles[row['bundle']].header['title']}", file=sys.stderr)
+    return CODE_REFUTED if len(refuted) else 0
+
+
+def main(arguments=None) -> int:
+    return run_command("board", lambda: make(parse_arguments(arguments)), "the board is as it was", ResultProblem)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,57 @@
+"""Makes the board: static pages that rank every backend by the error that one can live with. They need no server and no network.
+
+BUNDLE is a zip of tools/bundle, the --out folder of tools/accuracy, or a published study; `reports/measured` stands for all of its
+studies of accuracy and hard cases. Times of different machines are never compared.
+
+Answers are the same bits on every machine. So anyone can check what others claim: --recompute records each scene and asks every
+setting again. A row with the same answers to the same questions is then verified. One with others is refuted and can't win. Times
+stay claimed. With --recomputed, answers come from results that are here already.
+
+  tools/board reports/measured
+  tools/board theirs.zip --recompute
+
+Exit codes: 0 the board is written; 2 nothing was written, and one line says what is wrong; 3 it is written, and answers of a bundle
+were refuted.
+"""
+
+import argparse
+import shutil
+from pathlib import Path
+
+from ..page.bundle import BOARD, BUILT, SOURCES, script_file
+from ..program.cli import OneLineParser, Problem, check_data, check_positive
+from .shared import BuiltProgram, Needs, Tool, built_program
+
+DEFAULT_OUT = Path("reports/out/board")
+
+
+def parse_arguments(arguments: list[str] | None) -> argparse.Namespace:
+    parser = OneLineParser(prog="tools/board", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("bundles", nargs="+", type=Path, metavar="BUNDLE", help="zip of tools/bundle, or folder of results")
+    parser.add_argument("--recomputed", action="append", default=[], type=Path, metavar="RESULTS",
+                        help="bundle, or results of tools/accuracy, with answers that were computed here; may be repeated")
+    parser.add_argument("--recompute", action="store_true", help="compute the answers of all bundles here")
+    parser.add_argument("--longest", type=float, default=120.0, metavar="SECONDS",
+                        help="time limit of one setting; what takes longer stays claimed (default: 120 s)")
+    parser.add_argument("--data", type=Path, metavar="DIR", help="LHDL data folder, to recompute lhdl/* scenes")
+    parser.add_argument("--musclebench", type=Path, default=built_program("release"), metavar="PROGRAM",
+                        help="program that recomputes (default: the build of preset release)")
+    parser.add_argument("--out", type=Path, default=DEFAULT_OUT, metavar="DIR", help=f"folder of the board (default: {DEFAULT_OUT})")
+    return parser.parse_args(arguments)
+
+
+def check(options: argparse.Namespace) -> None:
+    for path in (*options.bundles, *options.recomputed):
+        if not path.exists():
+            raise Problem(f"{path}: no such bundle or folder of results")
+    check_data(options.data)
+    check_positive("--longest", options.longest)
+
+
+def needs(options: argparse.Namespace) -> Needs:
+    is_there = script_file(SOURCES, BUILT, BOARD).is_file() or (shutil.which("npm") and shutil.which("node"))
+    return Needs(options.musclebench.preset if options.recompute and isinstance(options.musclebench, BuiltProgram) else "",
+                 packages=() if is_there else ("nodejs", "npm"))
+
+
+TOOL = Tool(parse_arguments, check, needs)

@@ -1,0 +1,137 @@
+// The board: an error that one can live with, and what it costs with each backend. What is chosen stands in the address.
+import { startChart } from "./charts.js";
+import { choiceOf } from "./choice.js";
+import { EXACT_MM, ERRORS, asked, canWin, columnOf, errorAt, frontOf, ranking, stepAt } from "./rank.js";
+import { rowsOf } from "./rows.js";
+import { startView } from "./view.js";
+import { escaped, figure } from "./words.js";
+
+const DEFAULTS = { error: "surface", contacts: "all", division: "all", at: 0.1, off: "" };
+const HOVER = { error_words: "holds", structure_mb: "structures (MB)", build_s: "build (s)", standing: "answers", bound: "declared bound", measured: "measured" };
+
+const addressed = () => Object.fromEntries(new URLSearchParams(location.hash.slice(1)));
+
+function writeAddress(state, fixed) {
+  const told = Object.entries(state).filter(([key, value]) => String(value) !== String(fixed[key] ?? ""));
+  history.replaceState(null, "", told.length ? `#${new URLSearchParams(told)}` : location.pathname + location.search);
+}
+
+class Board {
+  constructor(section, rows, choice) {
+    Object.assign(this, { section, rows, choice });
+    const part = (name) => section.querySelector(`.${name}`);
+    this.parts = Object.fromEntries(["scene", "machine", "error", "contacts", "division", "at", "at-number", "at-unit", "ranking", "unable", "told"].map((name) => [name, part(`board-${name}`)]));
+    this.fixed = { ...DEFAULTS, scene: this.parts.scene.value, machine: this.parts.machine.value };
+    this.state = this.kept({ ...this.fixed, ...addressed() });
+    for (const name of this.state.off.split(",").filter((one) => one in choice.looks)) choice.hidden.add(name);
+    for (const button of section.querySelectorAll(".choose-backend")) button.setAttribute("aria-pressed", String(choice.shows(button.value)));
+    for (const name of ["scene", "machine", "error", "contacts", "division"]) this.parts[name].addEventListener("change", () => this.choose({ [name]: this.parts[name].value }));
+    this.parts.at.addEventListener("input", () => this.choose({ at: errorAt(Number(this.parts.at.value), ERRORS[this.state.error]) }));
+    this.parts["at-number"].addEventListener("change", () => this.choose({ at: Number(this.parts["at-number"].value) }));
+    addEventListener("hashchange", () => this.choose({ ...this.fixed, ...addressed() }));
+    choice.addEventListener("change", () => this.isOwn || this.choose({ off: [...choice.hidden].join(",") }));
+    this.choose({});
+  }
+
+  // An address may hold anything.
+  kept(state) {
+    for (const name of ["scene", "machine", "error", "contacts", "division"]) {
+      if (![...this.parts[name].options].some((option) => option.value === state[name])) state[name] = this.fixed[name];
+    }
+    const at = Number(state.at);
+    return { ...state, at: at > 0 && Number.isFinite(at) ? at : ERRORS[state.error].low };
+  }
+
+  choose(change) {
+    this.state = this.kept({ ...this.state, ...change });
+    if (change.error) this.state.at = change.at ? this.state.at : errorAt(100, ERRORS[change.error]);
+    writeAddress(this.state, this.fixed);
+    const { state, parts } = this, about = ERRORS[state.error];
+    for (const name of ["scene", "machine", "error", "contacts", "division"]) parts[name].value = state[name];
+    parts.contacts.parentElement.hidden = state.error !== "surface";
+    Object.assign(parts.at, { value: stepAt(state.at, about) });
+    parts.at.setAttribute("aria-valuetext", `${figure(state.at)} ${about.unit}`);
+    parts["at-number"].value = state.at;
+    parts["at-unit"].textContent = about.unit;
+    this.mine = asked(this.rows, state);
+    const front = frontOf(this.mine.filter((row) => this.choice.shows(row.backend)));
+    for (const row of this.mine) this.dress(row, front.has(row), about);
+    this.isOwn = true; // the chart follows the choice
+    this.choice.change();
+    this.isOwn = false;
+    this.tell(about);
+  }
+
+  dress(row, isOnFront, about) {
+    Object.assign(row, {
+      on_front: isOnFront, is_wrong: row.why_not !== null && !row.is_control, is_control: row.is_control === "True", is_substitute: row.error === null,
+      structure_mb: row.structure_bytes === null ? null : row.structure_bytes / 1e6,
+      error_words: row.error === null ? "unknown" : `${figure(row.error)} ${about.unit}`,
+    });
+  }
+
+  feed() {
+    const { state } = this, about = ERRORS[state.error];
+    const title = `${about.title}${state.contacts !== "all" && state.error === "surface" ? `, contacts: ${state.contacts.replaceAll("_", " ")}` : ""} (${about.unit})`;
+    return {
+      rows: this.mine,
+      spec: { kind: "points", x: { column: "time_ms", title: "collision time a frame (ms)" }, y: { column: "error", title }, hover: HOVER,
+        exact_mm: EXACT_MM, exact_words: "exact: below a nanometre", cut: state.at },
+    };
+  }
+
+  tell(about) {
+    const shown = this.mine.filter((row) => this.choice.shows(row.backend)), { ranked, unable } = ranking(shown, this.state);
+    const error = `${figure(this.state.at)} ${about.unit}`;
+    this.parts.told.textContent = ranked.length
+      ? `${this.choice.name(ranked[0].backend)} is the cheapest that holds ${error}: ${ranked[0].spoken ?? ranked[0].configuration}, ${figure(ranked[0].time_ms)} ms a frame.`
+      : `Nothing here holds ${error}.`;
+    this.parts.ranking.innerHTML = ranked.map((row) => this.lineOf(row, about)).join("");
+    const cannot = shown.filter((row) => !canWin(row) && !unable.some((one) => one.backend === row.backend));
+    this.parts.unable.innerHTML = [...unable.map(({ backend, why }) => [this.choice.name(backend), why]),
+      ...cannot.map((row) => [row.spoken ?? row.configuration, row.why_not ?? "its error is not known"])]
+      .map(([name, why]) => `<li>${escaped(name)}: ${escaped(why)}${/[\d]$/.test(why) ? ` ${escaped(about.unit)}` : ""}</li>`).join("");
+  }
+
+  lineOf(row, about) {
+    const pays = row.pays_after === null ? "unknown" : row.pays_after === Infinity ? "never" : row.pays_after === 0 ? "at once" : String(row.pays_after);
+    const cells = [
+      [row.rank, true], [`<a href="${escaped(this.choice.looks[row.backend].page)}"><span class="dot" style="background:${escaped(this.choice.colour(row.backend))}"></span>${escaped(this.choice.name(row.backend))}</a>`],
+      [escaped(row.spoken ?? row.configuration)], [`${figure(row.time_ms)} <span class="quiet">(${figure(row.time_ms_low)} to ${figure(row.time_ms_high)})</span>`, true], [`${row.times.toPrecision(3)}${row.is_tied ? " (overlaps)" : ""}`, true],
+      [row.error < EXACT_MM ? "exact" : `${figure(row.error)} ${about.unit}`, true], [figure(row.build_s), true], [pays, true], [figure(row.structure_mb), true],
+      [escaped(`${row.standing}; ${row.division}`)], [escaped(`${row.measured}${row.is_old === "True" ? ", older query set" : ""}`)],
+    ];
+    return `<tr${row.is_old === "True" ? ' class="old"' : ""}>${cells.map(([text, isNumber]) => `<td${isNumber ? ' class="number"' : ""}>${text}</td>`).join("")}</tr>`;
+  }
+}
+
+async function startBoard(section) {
+  const choice = choiceOf(section), rows = await rowsOf("board");
+  const board = new Board(section, rows, choice);
+  await startChart(section.querySelector("figure.has-chart"), choice, () => board.feed());
+  section.board = board;
+}
+
+// Runs in space: the camera and the frame stand in the address.
+async function startShapes(section) {
+  const choice = choiceOf(section), element = section.querySelector("figure.has-view"), told = addressed();
+  await startView(element, choice);
+  if (!element.view) return;
+  const { stage, parts } = element.view;
+  if (told.frame) {
+    parts.slider.value = told.frame;
+    element.view.setFrame();
+  }
+  if (told.camera) stage.sight = told.camera.split(",").map(Number);
+  let waiting = null;
+  const write = () => {
+    clearTimeout(waiting);
+    waiting = setTimeout(() => writeAddress({ frame: parts.slider.value, camera: stage.sight.map((value) => Number(value.toPrecision(5))).join(",") }, {}), 200);
+  };
+  stage.controls.addEventListener("change", write);
+  parts.slider.addEventListener("input", write);
+}
+
+for (const section of document.querySelectorAll("section.board")) startBoard(section);
+for (const section of document.querySelectorAll("section.shapes")) startShapes(section);
+document.documentElement.dataset.ready = "yes";

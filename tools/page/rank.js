@@ -1,0 +1,78 @@
+// Which setting is the cheapest for an error that one can live with. Rows are those of the board; nothing here draws.
+
+// What one may ask for: the column of the error, its unit, the column of the time that goes with it, and the ends of the slider.
+export const ERRORS = {
+  surface: { title: "surface offset, 99th percentile", unit: "mm", column: "offset_mm", time: "time_ms", low: 1e-3, high: 20 },
+  arm: { title: "moment arm off by, RMS", unit: "mm", column: "arm_mm", floor: "arm_floor_mm", time: "own_ms", low: 1e-2, high: 20 },
+  pressure: { title: "peak contact pressure off by, RMS", unit: "%", column: "pressure_percent", floor: "pressure_floor_percent", time: "own_ms", low: 0.1, high: 100 },
+  torque: { title: "joint torque off by, RMS", unit: "%", column: "torque_percent", floor: "torque_floor_percent", time: "own_ms", low: 0.1, high: 100 },
+};
+export const EXACT_MM = 1e-6; // a nanometre: what double precision leaves of millimetres
+const STEPS = 200; // of the slider
+
+// The surface offset of all contacts, or of those that are hard in one way.
+export function columnOf(state) {
+  return state.error === "surface" && state.contacts !== "all" ? `${state.contacts}_mm` : ERRORS[state.error].column;
+}
+
+// Rows of the chosen scene and machine with what is asked for as `error`, `time_ms` and its interval. What rounding does by
+// itself nobody can be better than.
+export function asked(rows, state) {
+  const about = ERRORS[state.error], column = columnOf(state);
+  return rows
+    .filter((row) => row.scene === state.scene && row.machine === state.machine && (state.division === "all" || row.division === "closed"))
+    .map((row) => ({
+      ...row, error: row[column] === null ? null : Math.max(row[column], (about.floor && row[about.floor]) || 0),
+      time_ms: row[about.time], time_ms_low: row[`${about.time}_low`], time_ms_high: row[`${about.time}_high`],
+    }))
+    .filter((row) => row.time_ms !== null);
+}
+
+export const canWin = (row) => row.why_not === null && row.error !== null;
+
+// Of each backend the cheapest setting that holds the error, the cheapest first; then the backends that have none. Intervals
+// that overlap that of the first say nothing of who is faster.
+export function ranking(rows, state) {
+  const holding = rows.filter((row) => canWin(row) && row.error <= state.at);
+  const best = new Map();
+  for (const row of [...holding].sort((a, b) => a.time_ms - b.time_ms)) if (!best.has(row.backend)) best.set(row.backend, row);
+  const first = [...best.values()][0];
+  const ranked = [...best.values()].map((row, index) => ({
+    ...row, rank: index + 1, times: row.time_ms / first.time_ms, pays_after: paysAfter(row, holding),
+    is_tied: index > 0 && row.time_ms_low !== null && row.time_ms_low <= first.time_ms_high,
+  }));
+  const others = [...new Set(rows.map((row) => row.backend))].filter((name) => !best.has(name));
+  return { ranked, unable: others.map((backend) => ({ backend, why: whyNone(rows.filter((row) => row.backend === backend)) })) };
+}
+
+// After so many frames it is ahead of all that hold the error and are ready sooner; Infinity: one of them is faster, too.
+export function paysAfter(row, holding) {
+  const sooner = holding.filter((other) => other.build_s !== null && other.build_s < row.build_s);
+  if (row.build_s === null) return null;
+  return Math.max(0, ...sooner.map((other) => (other.time_ms <= row.time_ms ? Infinity
+    : Math.ceil((1e3 * (row.build_s - other.build_s)) / (other.time_ms - row.time_ms)))));
+}
+
+function whyNone(rows) {
+  const able = rows.filter(canWin);
+  if (able.length) return `its most accurate setting is off by ${Number(Math.min(...able.map((row) => row.error)).toPrecision(2))}`;
+  return rows.find((row) => row.why_not !== null)?.why_not ?? "its error is not known";
+}
+
+// Rows than which none that can win is both faster and at least as accurate.
+export function frontOf(rows) {
+  let best = Infinity;
+  const front = new Set();
+  for (const row of rows.filter(canWin).sort((a, b) => a.time_ms - b.time_ms || a.error - b.error)) {
+    const error = Math.max(row.error, EXACT_MM);
+    if (error < best) {
+      best = error;
+      front.add(row);
+    }
+  }
+  return front;
+}
+
+// The slider is logarithmic.
+export const errorAt = (step, { low, high }) => Number((low * (high / low) ** (step / STEPS)).toPrecision(2));
+export const stepAt = (error, { low, high }) => Math.round((STEPS * Math.log(error / low)) / Math.log(high / low));
