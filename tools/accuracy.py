@@ -7,6 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from musclebench.accuracy import report
+from musclebench.board.bundle import write_bundle
+from musclebench.board.made import bundle_of
 from musclebench.cases.progress import duration
 from musclebench.cases.study_command import end, folders_of, require_results
 from musclebench.experiments.command import chosen, print_plan
@@ -15,7 +17,7 @@ from musclebench.experiments.running import limits_of, sweep_of
 from musclebench.options.accuracy import QUICK_MUSCLE, parse_arguments
 from musclebench.options.shared import check_options
 from musclebench.page.of_study import page_of
-from musclebench.program.cli import run_command
+from musclebench.program.cli import Problem, run_command
 from musclebench.program.registry import read_registry
 from musclebench.results.run_folder import ResultProblem
 
@@ -50,6 +52,17 @@ def write_report(out_dir: Path) -> list[Path]:
     return files
 
 
+def bundle_file(out_dir: Path) -> list[Path]:
+    """For the board. What a backend lacks is said, and its study stays."""
+    path = out_dir.with_suffix(".zip")
+    try:
+        write_bundle(bundle_of(out_dir), path)
+    except Problem as problem:
+        print(f"accuracy: no bundle: {problem}; then tools/bundle {out_dir}", file=sys.stderr)
+        return []
+    return [path]
+
+
 def measure_and_report(arguments) -> int:
     file = of_project("accuracy")
     options = parse_arguments(arguments, file)
@@ -67,7 +80,7 @@ def measure_and_report(arguments) -> int:
         return 0
     problems = sweep.run(cases, limits, options.keep_structures)
     measured = time.monotonic()
-    files = [*write_report(folders.out_dir), *page_of("accuracy", folders.out_dir, options)]
+    files = [*write_report(folders.out_dir), *page_of("accuracy", folders.out_dir, options), *(bundle_file(folders.out_dir) if options.bundle else [])]
     print(f"\nMeasured in {duration(measured - started)}, drawn in {duration(time.monotonic() - measured)}.")
     return end("accuracy", files, problems, folders.out_dir)
 

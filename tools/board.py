@@ -24,13 +24,19 @@ CODE_REFUTED = 3
 def read_all(paths: list[Path]) -> tuple[list[Bundle], list[HardCase]]:
     bundles, hard = [], []
     for path in paths:
-        studies = Measured(path).studies if path.is_dir() and not (path / SOURCE).is_file() else []
-        for one in [path / study for study in studies] or [path]:
+        for one in _inside(path) or [path]:
             if one.name.startswith(HARD) and one.is_dir():
                 hard += hard_cases(one)
-            elif one is path or one.name.startswith(ACCURACY):
+            elif one is path or one.suffix == ".zip" or one.name.startswith(ACCURACY):
                 bundles.append(bundle_of(one) if one.is_dir() else read_bundle(one))
     return bundles, hard
+
+
+def _inside(path: Path) -> list[Path]:
+    """Published studies and bundles of a folder that is none itself."""
+    if not path.is_dir() or (path / SOURCE).is_file():
+        return []
+    return [path / study for study in Measured(path).studies] + sorted(path.glob("*.zip"))
 
 
 def say(text: str) -> None:

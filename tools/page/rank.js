@@ -73,6 +73,6 @@ export function frontOf(rows) {
   return front;
 }
 
-// The slider is logarithmic.
-export const errorAt = (step, { low, high }) => Number((low * (high / low) ** (step / STEPS)).toPrecision(2));
+// The slider is logarithmic. With fewer digits a step of 5 % would end where it began.
+export const errorAt = (step, { low, high }) => Number((low * (high / low) ** (step / STEPS)).toPrecision(3));
 export const stepAt = (error, { low, high }) => Math.round((STEPS * Math.log(error / low)) / Math.log(high / low));

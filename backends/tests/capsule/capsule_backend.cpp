@@ -112,7 +112,7 @@ BackendEntry capsule_entry() {
   return {
       .name = "capsule",
       .help = "a capsule in place of each bone",
-      .implementation = "an example",
+      .implementation = "capsule example 1.0, MIT",
       .default_response = ResponseKind::project,
       .parameters = {parameter::number({.name = "radius_share",
                                         .default_value = 1,

@@ -122,7 +122,8 @@ def _pages(rows: pd.DataFrame, bundles: Sequence[Bundle], hard: Sequence[HardCas
                      [{"title": "What each backend does", "words": [], "rows": case.cells, "columns": HardCase.COLUMNS}]) for case in hard]
     menu = {kind: [{"href": quote(page.path), "title": page.title} for page in pages] for kind, pages in
             {"Backends": backends, "Libraries": of_libraries, "Scenes": scenes, "Machines": of_machines, "Hard cases": of_cases}.items() if pages}
-    index = {"scenes": {name: name for name in paths["scenes"]}, "machines": {name: name for name in paths["machines"]}, "csv": csv,
+    by_cost = rows.groupby("scene")["time_ms"].median().sort_values(ascending=False, kind="stable").index  # where there is most contact first
+    index = {"scenes": {name: name for name in by_cost}, "machines": {name: name for name in paths["machines"]}, "csv": csv,
              "meanings": WORDS,
              "looks": {name: looks[name] | {"page": quote(path)} for name, path in paths["backends"].items()}}
     words = ["Every backend answers the same questions: is a node of a muscle inside a bone, and how deep? Say which error you can live with, "

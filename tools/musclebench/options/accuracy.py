@@ -43,6 +43,7 @@ def parse_arguments(arguments, file: ExperimentFile):
     add_memory_option(how)
     how.add_argument("--keep-structures", action="store_true",
                      help="keep the distance fields (about 0.7 GB), which are otherwise deleted at the end")
+    how.add_argument("--bundle", action="store_true", help="also write a bundle for the board (tools/board), to OUT.zip")
     instead = parser.add_mutually_exclusive_group()
     instead.add_argument("--dry-run", "--plan", action="store_true", help="print the cases with their estimated times")
     instead.add_argument("--report-only", action="store_true", help="draw the results that exist, run nothing")

@@ -1,7 +1,7 @@
 """Makes the board: static pages that rank every backend by the error that one can live with. They need no server and no network.
 
-BUNDLE is a zip of tools/bundle, the --out folder of tools/accuracy, or a published study; `reports/measured` stands for all of its
-studies of accuracy and hard cases. Times of different machines are never compared.
+BUNDLE is a zip of tools/bundle, the --out folder of tools/accuracy, or a published study. A folder of these stands for all that it
+holds, also the hard cases of `reports/measured`. Times of different machines are never compared.
 
 Answers are the same bits on every machine. So anyone can check what others claim: --recompute records each scene and asks every
 setting again. A row with the same answers to the same questions is then verified. One with others is refuted and can't win. Times

@@ -1,8 +1,9 @@
 """Packs a study of accuracy for the board, or checks a bundle that somebody sent.
 
-RESULTS is the --out folder of tools/accuracy, or a published study (reports/measured/accuracy-synthetic). The bundle is one zip:
-times with intervals, errors, hashes of all answers to the last bit, the machine and its state, the build, and of each backend
-the commit or release and the licence. It has no meshes. The same results make the same bytes.
+RESULTS is the --out folder of tools/accuracy, or a published study (reports/measured/accuracy-synthetic). The bundle is one zip.
+It has times with intervals, errors, and hashes of all answers to the last bit. It names the machine and its state, the build, and the
+commit or release and the licence of each backend. Shapes of runs are in it where the study kept them: they carry the licence of their
+scene. The same results make the same bytes.
 
   tools/accuracy --quick --out mine
   tools/bundle mine --source mine=https://example.org/mine@1a2b3c4 --licence mine=MIT
@@ -22,7 +23,7 @@ def parse_arguments(arguments: list[str] | None) -> argparse.Namespace:
     parser = OneLineParser(prog="tools/bundle", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("results", type=Path, metavar="RESULTS", help="folder of a study of accuracy; with --check a bundle")
     parser.add_argument("--check", action="store_true", help="read a bundle and say what it holds; write nothing")
-    parser.add_argument("--out", type=Path, metavar="FILE", help="the bundle (default: RESULTS.zip beside the folder)")
+    parser.add_argument("--out", type=Path, metavar="FILE", help="the bundle (default: RESULTS.zip, next to the folder)")
     parser.add_argument("--licence", action="append", default=[], metavar="NAME=LICENCE", type=_named,
                         help="of a backend or a scene that does not tell its own; may be repeated")
     parser.add_argument("--source", action="append", default=[], metavar="NAME=URL@COMMIT", type=_named,

@@ -1,0 +1,88 @@
+"""The board in a headless browser: what the slider, the keyboard and the address do."""
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import fake_page
+from musclebench.board.bundle import Bundle
+from musclebench.board.made import bundle_of
+from musclebench.board.site import write_site
+from musclebench.page import bundle
+from musclebench.page.sections import sections_of
+from musclebench.page.views import Views
+from musclebench.program.cli import Problem
+
+pytestmark = pytest.mark.long
+PROJECT = Path(__file__).resolve().parents[2]
+SCRIPT = Path(__file__).resolve().parent / "board_in_browser.mjs"
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
+SCENE = "synthetic/iliacus"
+
+
+def with_shapes(published: Bundle, folder: Path) -> Bundle:
+    sections = sections_of([fake_page.write_paper(folder)])
+    views = next(part for section in sections for part in section.parts if isinstance(part, Views))
+    return Bundle(published.header, published.rows, {SCENE: views.data})
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory) -> dict:
+    if not BROWSER:
+        pytest.skip("chromium is missing (tools/setup chromium): the board is not opened")
+    folder = tmp_path_factory.mktemp("board")
+    try:
+        libraries = bundle.installed(with_tests=True)
+        write_site([with_shapes(bundle_of(PROJECT / "reports" / "measured" / "accuracy-synthetic"), folder / "paper")], [], [], folder / "board")
+    except Problem as problem:
+        pytest.skip(f"the board is not opened: {problem}")
+    words = ["node", str(SCRIPT), str(libraries), BROWSER, str(folder / "board"), str(folder), "scenes/synthetic-iliacus.html"]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=900, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def test_it_opens_without_a_complaint_and_asks_no_network(found):
+    assert found["errors"] == [] and found["first"]["drawn"] > 40
+
+
+def test_the_first_ranking_holds_a_tenth_of_a_millimetre(found):
+    first = found["first"]
+    assert "is the cheapest that holds 0.1 mm" in first["words"] and first["address"] == "" and first["cut"] == [0.1]
+    assert [line[0] for line in first["ranking"]] == [str(number) for number in range(1, len(first["ranking"]) + 1)]
+    times = [float(line[3].split()[0]) for line in first["ranking"]]
+    assert times == sorted(times) and len(times) > 5
+
+
+def test_the_slider_moves_the_line_and_the_ranking(found):
+    coarse, fine = found["coarse"], found["fine"]
+    assert "holds 0.1 mm" not in coarse["words"] and coarse["address"].startswith("#at=") and coarse["cut"][0] > 0.3
+    assert float(coarse["ranking"][0][3].split()[0]) <= float(found["first"]["ranking"][0][3].split()[0])
+    assert "0.00001" in fine["words"] or "1.00e-5" in fine["words"]
+    assert all("exact" in line[5] or "e-6" in line[5] for line in fine["ranking"]) and len(fine["ranking"]) < len(coarse["ranking"])
+
+
+def test_what_is_chosen_stands_in_the_address(found):
+    assert "error=arm" in found["arm"]["address"] and "off=" in found["arm"]["address"]
+    assert found["again"] == found["arm"] and found["arm"]["ranking"] != found["first"]["ranking"]
+
+
+def test_an_address_may_hold_anything(found):
+    strange = found["strange"]
+    assert strange["drawn"] == found["first"]["drawn"] and "holds" in strange["words"]
+
+
+def test_it_fits_a_telephone_and_is_dark_there(found):
+    assert found["phone"]["wide"] <= found["phone"]["shown"] and found["phone"]["page"] != "rgb(255, 255, 255)"
+
+
+def test_everything_that_can_be_used_has_a_name(found):
+    assert found["nameless"] == []
+
+
+def test_the_camera_stands_in_the_address(found):
+    assert "camera=" in found["shapes"]["address"] and found["shapes"]["cells"] > 1
+    assert found["beside"]["sight"] == pytest.approx(found["shapes"]["sight"], rel=1e-3, abs=1e-6)
