@@ -7,8 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from musclebench.accuracy import report
-from musclebench.board.bundle import write_bundle
-from musclebench.board.made import bundle_of
+from musclebench.board.packing import pack
 from musclebench.cases.progress import duration
 from musclebench.cases.study_command import end, folders_of, require_results
 from musclebench.experiments.command import chosen, print_plan
@@ -52,15 +51,13 @@ def write_report(out_dir: Path) -> list[Path]:
     return files
 
 
-def bundle_file(out_dir: Path) -> list[Path]:
-    """For the board. What a backend lacks is said, and its study stays."""
-    path = out_dir.with_suffix(".zip")
+def bundle_files(options, out_dir: Path, problems: list[str]) -> list[Path]:
+    """For the board, where it is asked for. Without one the study stays; why joins the problems."""
     try:
-        write_bundle(bundle_of(out_dir), path)
-    except Problem as problem:
-        print(f"accuracy: no bundle: {problem}; then tools/bundle {out_dir}", file=sys.stderr)
+        return [pack(out_dir)[0]] if options.bundle else []
+    except (Problem, ResultProblem) as problem:
+        problems.append(f"no bundle: {problem}; then tools/bundle {out_dir}")
         return []
-    return [path]
 
 
 def measure_and_report(arguments) -> int:
@@ -70,8 +67,9 @@ def measure_and_report(arguments) -> int:
     folders, started = folders_of(options, "accuracy"), time.monotonic()
     if options.report_only:
         require_results(folders.out_dir)
-        files = [*write_report(folders.out_dir), *page_of("accuracy", folders.out_dir, options)]
-        return end("accuracy", files, [], folders.out_dir)
+        problems: list[str] = []
+        files = [*write_report(folders.out_dir), *page_of("accuracy", folders.out_dir, options), *bundle_files(options, folders.out_dir, problems)]
+        return end("accuracy", files, problems, folders.out_dir)
     registry = read_registry(options.musclebench)
     sweep = sweep_of(asked(file, options), options, registry, folders, QUICK_MUSCLE if options.quick else None)
     cases, limits = chosen(sweep, options.shard), limits_of(options)
@@ -80,7 +78,7 @@ def measure_and_report(arguments) -> int:
         return 0
     problems = sweep.run(cases, limits, options.keep_structures)
     measured = time.monotonic()
-    files = [*write_report(folders.out_dir), *page_of("accuracy", folders.out_dir, options), *(bundle_file(folders.out_dir) if options.bundle else [])]
+    files = [*write_report(folders.out_dir), *page_of("accuracy", folders.out_dir, options), *bundle_files(options, folders.out_dir, problems)]
     print(f"\nMeasured in {duration(measured - started)}, drawn in {duration(time.monotonic() - measured)}.")
     return end("accuracy", files, problems, folders.out_dir)
 

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """Makes the board of bundles. Options: musclebench/options/board.py."""
 
+import json
 import sys
 from pathlib import Path
 
@@ -17,14 +18,14 @@ from musclebench.program.registry import read_registry
 from musclebench.publish.measured import SOURCE, Measured
 from musclebench.results.run_folder import ResultProblem
 
-ACCURACY, HARD = "accuracy-", "hard-"
+ACCURACY, HARD, STUDY = "accuracy-", "hard-", "study.csv"
 CODE_REFUTED = 3
 
 
 def read_all(paths: list[Path]) -> tuple[list[Bundle], list[HardCase]]:
     bundles, hard = [], []
     for path in paths:
-        for one in _inside(path) or [path]:
+        for one in _inside(path):
             if one.name.startswith(HARD) and one.is_dir():
                 hard += hard_cases(one)
             elif one is path or one.suffix == ".zip" or one.name.startswith(ACCURACY):
@@ -33,9 +34,9 @@ def read_all(paths: list[Path]) -> tuple[list[Bundle], list[HardCase]]:
 
 
 def _inside(path: Path) -> list[Path]:
-    """Published studies and bundles of a folder that is none itself."""
-    if not path.is_dir() or (path / SOURCE).is_file():
-        return []
+    """Published studies and bundles of a folder that is no study itself; it may have none."""
+    if not path.is_dir() or (path / SOURCE).is_file() or (path / STUDY).is_file():
+        return [path]
     return [path / study for study in Measured(path).studies] + sorted(path.glob("*.zip"))
 
 
@@ -48,16 +49,18 @@ def make(options) -> int:
     (bundles, hard), (recomputed, _) = read_all(options.bundles), read_all(options.recomputed)
     if not bundles:
         raise Problem(f"{options.bundles[0]}: holds no study of accuracy; tools/accuracy measures one")
-    answers = [bundle.rows for bundle in recomputed]
+    answers, commit = [bundle.rows for bundle in recomputed], recomputed[0].header["commit"] if recomputed else ""
     if options.recompute:
-        answers.append(recompute(bundles, options.musclebench, read_registry(options.musclebench), options.data, options.longest, say))
-    rows = write_site(bundles, answers, hard, options.out)
+        registry = read_registry(options.musclebench)
+        commit = json.loads(registry.text)["git"]
+        answers.append(recompute(bundles, options.musclebench, registry, options.data, options.longest, say))
+    rows = write_site(bundles, hard, options.out, answers, commit)
     counts = ", ".join(f"{count} {name}" for name, count in rows["standing"].value_counts().items())
     print(f"{options.out / 'index.html'}: {len(rows)} settings of {rows['backend'].nunique()} backends on {rows['machine'].nunique()} "
           f"machine{'s' if rows['machine'].nunique() > 1 else ''}: {counts}; {(rows['why_not'] != '').sum()} are shown and can't win")
     refuted = rows[rows["standing"] == REFUTED]
     for row in refuted.to_dict("records"):
-        print(f"refuted: {row['configuration']} on {row['scene']}, of {bundles[row['bundle']].header['title']}", file=sys.stderr)
+        print(f"refuted: {row['configuration']} on {row['scene']}, of {row['title']}: {row['refutation']}", file=sys.stderr)
     return CODE_REFUTED if len(refuted) else 0
 
 

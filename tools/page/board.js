@@ -22,14 +22,21 @@ class Board {
     const part = (name) => section.querySelector(`.${name}`);
     this.parts = Object.fromEntries(["scene", "machine", "error", "contacts", "division", "at", "at-number", "at-unit", "ranking", "unable", "told"].map((name) => [name, part(`board-${name}`)]));
     this.fixed = { ...DEFAULTS, scene: this.parts.scene.value, machine: this.parts.machine.value };
-    this.state = this.kept({ ...this.fixed, ...addressed() });
-    for (const name of this.state.off.split(",").filter((one) => one in choice.looks)) choice.hidden.add(name);
-    for (const button of section.querySelectorAll(".choose-backend")) button.setAttribute("aria-pressed", String(choice.shows(button.value)));
+    this.state = this.fixed;
     for (const name of ["scene", "machine", "error", "contacts", "division"]) this.parts[name].addEventListener("change", () => this.choose({ [name]: this.parts[name].value }));
     this.parts.at.addEventListener("input", () => this.choose({ at: errorAt(Number(this.parts.at.value), ERRORS[this.state.error]) }));
     this.parts["at-number"].addEventListener("change", () => this.choose({ at: Number(this.parts["at-number"].value) }));
-    addEventListener("hashchange", () => this.choose({ ...this.fixed, ...addressed() }));
+    addEventListener("hashchange", () => this.follow());
     choice.addEventListener("change", () => this.isOwn || this.choose({ off: [...choice.hidden].join(",") }));
+    this.follow();
+  }
+
+  // What the address says.
+  follow() {
+    const told = this.kept({ ...this.fixed, ...addressed() }), known = Object.keys(this.choice.looks);
+    this.choice.hidden = new Set(told.off.split(",").filter((name) => known.includes(name)));
+    for (const button of this.section.querySelectorAll(".choose-backend")) button.setAttribute("aria-pressed", String(this.choice.shows(button.value)));
+    this.state = { ...told, off: [...this.choice.hidden].join(",") };
     this.choose({});
   }
 
@@ -39,12 +46,12 @@ class Board {
       if (![...this.parts[name].options].some((option) => option.value === state[name])) state[name] = this.fixed[name];
     }
     const at = Number(state.at);
-    return { ...state, at: at > 0 && Number.isFinite(at) ? at : ERRORS[state.error].low };
+    return { ...state, at: at > 0 && Number.isFinite(at) ? at : this.fixed.at };
   }
 
   choose(change) {
     this.state = this.kept({ ...this.state, ...change });
-    if (change.error) this.state.at = change.at ? this.state.at : errorAt(100, ERRORS[change.error]);
+    if (change.error) this.state.at = errorAt(100, ERRORS[this.state.error]);
     writeAddress(this.state, this.fixed);
     const { state, parts } = this, about = ERRORS[state.error];
     for (const name of ["scene", "machine", "error", "contacts", "division"]) parts[name].value = state[name];
@@ -64,7 +71,7 @@ class Board {
 
   dress(row, isOnFront, about) {
     Object.assign(row, {
-      on_front: isOnFront, is_wrong: row.why_not !== null && !row.is_control, is_control: row.is_control === "True", is_substitute: row.error === null,
+      on_front: isOnFront, is_wrong: row.why_not !== null, is_control: false, is_substitute: row.error === null,
       structure_mb: row.structure_bytes === null ? null : row.structure_bytes / 1e6,
       error_words: row.error === null ? "unknown" : `${figure(row.error)} ${about.unit}`,
     });
@@ -73,10 +80,11 @@ class Board {
   feed() {
     const { state } = this, about = ERRORS[state.error];
     const title = `${about.title}${state.contacts !== "all" && state.error === "surface" ? `, contacts: ${state.contacts.replaceAll("_", " ")}` : ""} (${about.unit})`;
+    // Only a surface offset is unknown for a reason: what can't be asked about single points has none.
     return {
-      rows: this.mine,
+      rows: this.mine.filter((row) => row.time_ms !== null && (row.error !== null || state.error === "surface")),
       spec: { kind: "points", x: { column: "time_ms", title: "collision time a frame (ms)" }, y: { column: "error", title }, hover: HOVER,
-        exact_mm: EXACT_MM, exact_words: "exact: below a nanometre", cut: state.at },
+        exact_mm: EXACT_MM, exact_words: about.unit === "mm" ? "exact: below a nanometre" : "no difference", cut: state.at },
     };
   }
 
@@ -88,20 +96,21 @@ class Board {
       : `Nothing here holds ${error}.`;
     this.parts.ranking.innerHTML = ranked.map((row) => this.lineOf(row, about)).join("");
     const cannot = shown.filter((row) => !canWin(row) && !unable.some((one) => one.backend === row.backend));
-    this.parts.unable.innerHTML = [...unable.map(({ backend, why }) => [this.choice.name(backend), why]),
-      ...cannot.map((row) => [row.spoken ?? row.configuration, row.why_not ?? "its error is not known"])]
-      .map(([name, why]) => `<li>${escaped(name)}: ${escaped(why)}${/[\d]$/.test(why) ? ` ${escaped(about.unit)}` : ""}</li>`).join("");
+    this.parts.unable.innerHTML = [
+      ...unable.map(({ backend, why, error: off }) => [this.choice.name(backend), off === null ? why : `${why} ${figure(off)} ${about.unit}`]),
+      ...cannot.map((row) => [row.spoken ?? row.configuration, row.why_not ?? "this error of it was not measured"]),
+    ].map(([name, why]) => `<li>${escaped(name)}: ${escaped(why)}</li>`).join("");
   }
 
   lineOf(row, about) {
     const pays = row.pays_after === null ? "unknown" : row.pays_after === Infinity ? "never" : row.pays_after === 0 ? "at once" : String(row.pays_after);
     const cells = [
       [row.rank, true], [`<a href="${escaped(this.choice.looks[row.backend].page)}"><span class="dot" style="background:${escaped(this.choice.colour(row.backend))}"></span>${escaped(this.choice.name(row.backend))}</a>`],
-      [escaped(row.spoken ?? row.configuration)], [`${figure(row.time_ms)} <span class="quiet">(${figure(row.time_ms_low)} to ${figure(row.time_ms_high)})</span>`, true], [`${row.times.toPrecision(3)}${row.is_tied ? " (overlaps)" : ""}`, true],
+      [escaped(row.spoken ?? row.configuration)], [`${figure(row.time_ms)}${row.is_disturbed ? " *" : ""} <span class="quiet">(${figure(row.time_ms_low)} to ${figure(row.time_ms_high)})</span>`, true], [`${row.times.toPrecision(3)}${row.is_tied ? " (overlaps)" : ""}`, true],
       [row.error < EXACT_MM ? "exact" : `${figure(row.error)} ${about.unit}`, true], [figure(row.build_s), true], [pays, true], [figure(row.structure_mb), true],
-      [escaped(`${row.standing}; ${row.division}`)], [escaped(`${row.measured}${row.is_old === "True" ? ", older query set" : ""}`)],
+      [escaped(`${row.standing}; ${row.division}`)], [escaped(`${row.measured}${row.is_old ? ", other query set" : ""}`)],
     ];
-    return `<tr${row.is_old === "True" ? ' class="old"' : ""}>${cells.map(([text, isNumber]) => `<td${isNumber ? ' class="number"' : ""}>${text}</td>`).join("")}</tr>`;
+    return `<tr${row.is_old ? ' class="old"' : ""}>${cells.map(([text, isNumber]) => `<td${isNumber ? ' class="number"' : ""}>${text}</td>`).join("")}</tr>`;
   }
 }
 

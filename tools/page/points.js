@@ -68,7 +68,7 @@ function tellOf(spec, row, exact, exactWords) {
   const interval = row.time_ms_low === null ? "" : ` (95 % interval ${figure(row.time_ms_low)} to ${figure(row.time_ms_high)})`;
   return [row.spoken ?? row.configuration, `${spec.x.title}: ${figure(row[spec.x.column])}${interval}`, `${spec.y.title}: ${error}`,
     ...Object.entries(spec.hover).map(([column, title]) => `${title}: ${figure(row[column])}`),
-    ...(row.is_wrong ? ["answers wrongly"] : []),
+    ...(row.is_wrong ? [row.why_not ?? "answers wrongly"] : []),
     ...(row.is_substitute ? ["can't be asked about single points"] : []), ...(row.on_front && !row.is_substitute ? ["on the Pareto front"] : [])];
 }
 

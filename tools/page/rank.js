@@ -24,11 +24,10 @@ export function asked(rows, state) {
     .map((row) => ({
       ...row, error: row[column] === null ? null : Math.max(row[column], (about.floor && row[about.floor]) || 0),
       time_ms: row[about.time], time_ms_low: row[`${about.time}_low`], time_ms_high: row[`${about.time}_high`],
-    }))
-    .filter((row) => row.time_ms !== null);
+    }));
 }
 
-export const canWin = (row) => row.why_not === null && row.error !== null;
+export const canWin = (row) => row.why_not === null && row.error !== null && row.time_ms !== null;
 
 // Of each backend the cheapest setting that holds the error, the cheapest first; then the backends that have none. Intervals
 // that overlap that of the first say nothing of who is faster.
@@ -42,7 +41,7 @@ export function ranking(rows, state) {
     is_tied: index > 0 && row.time_ms_low !== null && row.time_ms_low <= first.time_ms_high,
   }));
   const others = [...new Set(rows.map((row) => row.backend))].filter((name) => !best.has(name));
-  return { ranked, unable: others.map((backend) => ({ backend, why: whyNone(rows.filter((row) => row.backend === backend)) })) };
+  return { ranked, unable: others.map((backend) => ({ backend, ...whyNone(rows.filter((row) => row.backend === backend)) })) };
 }
 
 // After so many frames it is ahead of all that hold the error and are ready sooner; Infinity: one of them is faster, too.
@@ -55,8 +54,8 @@ export function paysAfter(row, holding) {
 
 function whyNone(rows) {
   const able = rows.filter(canWin);
-  if (able.length) return `its most accurate setting is off by ${Number(Math.min(...able.map((row) => row.error)).toPrecision(2))}`;
-  return rows.find((row) => row.why_not !== null)?.why_not ?? "its error is not known";
+  if (able.length) return { why: "its most accurate setting is off by", error: Math.min(...able.map((row) => row.error)) };
+  return { why: rows.find((row) => row.why_not !== null)?.why_not ?? "this error of it was not measured", error: null };
 }
 
 // Rows than which none that can win is both faster and at least as accurate.

@@ -14,22 +14,22 @@ export async function rowsOf(name) {
 
 export function parseCsv(text) {
   const [heads, ...lines] = cellsOf(text);
-  return lines.map((cells) => Object.fromEntries(heads.map((head, i) => [head, valueOf(cells[i])])));
+  return lines.map((cells) => Object.fromEntries(heads.map((head, i) => [head.text, valueOf(cells[i])])));
 }
 
-// An empty cell is unknown, never zero.
+// An empty cell is unknown, never zero. What stands in quotes is a text, also if it looks like a number.
 function valueOf(cell) {
-  if (cell === "" || cell === undefined) return null;
-  const number = Number(cell);
-  return Number.isNaN(number) ? cell : number;
+  if (cell === undefined || cell.text === "") return null;
+  const number = Number(cell.text);
+  return cell.isQuoted || Number.isNaN(number) ? cell.text : number;
 }
 
 function cellsOf(text) {
   const rows = [[]];
   const pattern = /("(?:[^"]|"")*"|[^,\n]*)(,|\r?\n|$)/g;
   for (let match; (match = pattern.exec(text)) && pattern.lastIndex <= text.length;) {
-    const cell = match[1].startsWith('"') ? match[1].slice(1, -1).replaceAll('""', '"') : match[1];
-    rows.at(-1).push(cell);
+    const isQuoted = match[1].startsWith('"');
+    rows.at(-1).push({ text: isQuoted ? match[1].slice(1, -1).replaceAll('""', '"') : match[1], isQuoted });
     if (match[2] === "") break;
     if (match[2] !== ",") {
       if (pattern.lastIndex >= text.length) break;

@@ -29,6 +29,8 @@ const told = async (page) => ({
 const page = await open("index.html");
 await ready(page);
 found.first = await told(page);
+found.crossed = await page.locator("#pareto").evaluate((figure) => figure.chart.getOption().series.flatMap((one) => (one.type === "scatter" ? one.data : []))
+  .filter((point) => String(point.symbol).startsWith("path")).map((point) => point.row.why_not));
 const paint = await page.evaluate(() => performance.getEntriesByType("paint").map((entry) => [entry.name, entry.startTime]));
 found.paint_ms = Object.fromEntries(paint);
 
@@ -48,6 +50,10 @@ const again = await open(`index.html${found.arm.address}`);
 await ready(again);
 found.again = await told(again);
 await page.screenshot({ path: `${folder}/board.png`, fullPage: true });
+
+await again.evaluate(() => { location.hash = "error=torque&off=fcl,vtk"; });
+await again.waitForTimeout(300);
+found.followed = { ...(await told(again)), off: await again.locator('.choose-backend[aria-pressed="false"]').evaluateAll((buttons) => buttons.map((one) => one.value)) };
 
 // What an address may hold.
 const strange = await open("index.html#error=constructor&scene=<b>&at=-3&machine=x&off=__proto__,<i>&contacts=1");

@@ -36,7 +36,7 @@ def found(tmp_path_factory) -> dict:
     folder = tmp_path_factory.mktemp("board")
     try:
         libraries = bundle.installed(with_tests=True)
-        write_site([with_shapes(bundle_of(PROJECT / "reports" / "measured" / "accuracy-synthetic"), folder / "paper")], [], [], folder / "board")
+        write_site([with_shapes(bundle_of(PROJECT / "reports" / "measured" / "accuracy-synthetic"), folder / "paper")], [], folder / "board")
     except Problem as problem:
         pytest.skip(f"the board is not opened: {problem}")
     words = ["node", str(SCRIPT), str(libraries), BROWSER, str(folder / "board"), str(folder), "scenes/synthetic-iliacus.html"]
@@ -68,6 +68,15 @@ def test_the_slider_moves_the_line_and_the_ranking(found):
 def test_what_is_chosen_stands_in_the_address(found):
     assert "error=arm" in found["arm"]["address"] and "off=" in found["arm"]["address"]
     assert found["again"] == found["arm"] and found["arm"]["ranking"] != found["first"]["ranking"]
+
+
+def test_another_address_is_followed(found):
+    followed = found["followed"]
+    assert followed["off"] == ["fcl", "vtk"] and "%" in followed["words"] and "error=torque" in followed["address"]
+
+
+def test_what_can_not_win_is_crossed_out(found):
+    assert found["crossed"] and all(why.startswith(("wrong", "several threads")) for why in found["crossed"])
 
 
 def test_an_address_may_hold_anything(found):

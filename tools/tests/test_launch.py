@@ -12,7 +12,8 @@ from musclebench.page.bundle import script_file
 
 TOOLS = ("accuracy", "board", "bundle", "compare", "budget", "effects", "experiment", "fuzz", "hard", "moment-arms", "mutants", "nightly", "paper",
          "publish", "release", "report", "safe-step", "speed")
-NEEDED_WORDS = {"compare": ("HEAD", "HEAD"), "experiment": ("paper",), "board": (".",), "bundle": (".",), "release": ("1.0.0",), "report": (".",), "safe-step": ("hard/step_size",)}
+NEEDED_WORDS = {"board": (".",), "bundle": (".",), "compare": ("HEAD", "HEAD"), "experiment": ("paper",),
+                "release": ("1.0.0",), "report": (".",), "safe-step": ("hard/step_size",)}
 PACKAGES = {"numpy", "pandas", "scipy", "matplotlib", "vtk", "vtkmodules", "jinja2", "PIL"}
 # Hides packages from every Python that has its folder on the path.
 HIDES = """import os, sys

@@ -1,5 +1,4 @@
-"""A bundle: one zip with what was measured, on what machine, by which program. Deterministic: the same results are the same
-bytes."""
+"""A bundle: one zip with what was measured, on what machine, by which program. The same content makes the same bytes."""
 
 import hashlib
 import io
@@ -31,10 +30,10 @@ class Bundle:
 
     @property
     def machine(self) -> str:
-        """Times of two bundles compare where this is the same."""
+        """Times compare where this is the same. Two machines may have one processor's name, so each bundle is one of its own."""
         machine, build = self.header["machine"], self.header["build"]
         cores = f", {machine['cores']} cores" if machine["cores"] else ""
-        return f"{machine['cpu']}{cores}, {build['compiler']}, flags {build['flags']}"
+        return f"{machine['cpu']}{cores}, {build['compiler']}, {self.header['title']}"
 
 
 def bundle_bytes(bundle: Bundle) -> bytes:

@@ -4,12 +4,12 @@ import re
 from dataclasses import dataclass
 
 from ..results.status import MEANINGS
+from ..tables.difficulties import TITLES
 
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 _.,:/=+()-]{0,119}")
 HASH = re.compile(r"[0-9a-f]{16}")
 MOST_CHARACTERS = 500
 STATUSES = (*MEANINGS, "missing", "killed")
-DIFFICULTIES = ("flat", "ridge", "concave", "thin", "attached_border")
 
 
 @dataclass(frozen=True)
@@ -29,9 +29,6 @@ COLUMNS = (
     Column("threads", "count", "that the backend used", True),
     Column("series", "text", "the curve over resolutions on which it lies"),
     Column("fineness", "number", "grows with resolution along a curve"),
-    Column("is_default", "flag", "without any parameter"),
-    Column("is_advised", "flag", "as its makers or users advise"),
-    Column("is_control", "flag", "the loop without collision"),
     Column("status", "status", "of the replay", True),
     Column("detail", "text", "why it is not ok"),
     Column("verdict", "text", "of a backend without a resolution: right, or wrong and why"),
@@ -44,13 +41,11 @@ COLUMNS = (
     Column("build_s", "number", "time before the first frame, to build its structures"),
     Column("structure_bytes", "count", "memory of its structures"),
     Column("offset_mm", "number", "surface offset: how far its surface is from the true one, 99th percentile over contacts"),
-    Column("max_offset_mm", "number", "the largest"),
-    *(Column(f"{kind}_mm", "number", f"surface offset of contacts of the difficulty {kind.replace('_', ' ')}") for kind in DIFFICULTIES),
+    *(Column(f"{kind}_mm", "number", f"surface offset of contacts of this difficulty: {TITLES[kind]}") for kind in TITLES),
     Column("missed_mm", "number", "depth of the deepest contact that it missed"),
     Column("false_mm", "number", "distance of the farthest node that it found wrongly"),
     Column("declared_missed_mm", "number", "no deeper contact is missed, by its own word"),
     Column("declared_false_mm", "number", "no node farther outside is found, by its own word"),
-    Column("left_mm", "number", "depth that it leaves where it drives the muscle, 99th percentile over contacts"),
     Column("own_ms", "number", "collision time of a frame where it drives the muscle: median"),
     Column("own_ms_low", "number", "95 % interval"),
     Column("own_ms_high", "number", "95 % interval"),
@@ -66,3 +61,7 @@ COLUMNS = (
     Column("state_hash", "hash", "of positions and velocities at the end where it drives the muscle"),
 )
 NAMES = tuple(column.name for column in COLUMNS)
+TEXTS = tuple(column.name for column in COLUMNS if column.kind in ("name", "text", "status", "hash"))
+FLAGS = tuple(column.name for column in COLUMNS if column.kind == "flag")
+# What computing the answers again tells, too.
+JUDGED = ("offset_mm", *(f"{kind}_mm" for kind in TITLES), "missed_mm", "false_mm", "declared_missed_mm", "declared_false_mm")

@@ -4,8 +4,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-import pandas as pd
-
 from ..publish.measured import Measured
 from .bundle import Told
 from .page_column import PageColumn
@@ -34,6 +32,6 @@ def hard_cases(folder: Path) -> list[HardCase]:
     found = []
     for case in cases.where(cases.notna(), "").to_dict("records"):
         mine = cells[(cells["case"] == case["case"]) & (cells["verdict"] != "not applicable")]
-        found.append(HardCase(case["case"], case["what"], case["why"], str(case["bar"]).rstrip("."),
-                              [{key: f"{value:.4g}" if isinstance(value, float) else value for key, value in cell.items()} for cell in mine.to_dict("records")]))
+        rows = [{key: f"{value:.4g}" if isinstance(value, float) else value for key, value in cell.items()} for cell in mine.to_dict("records")]
+        found.append(HardCase(case["case"], case["what"], case["why"], str(case["bar"]).rstrip("."), rows))
     return found

@@ -13,14 +13,16 @@ COLOUR = re.compile(r"#[0-9A-Fa-f]{6}")
 
 
 def looks_of(bundles: Sequence[Bundle]) -> dict[str, Told]:
-    """{backend: label, colour, dash}, also of what has no row; this project's and the libraries that it measures first."""
+    """{backend: label, colour}, also of what has no row; this project's and the libraries that it measures first."""
     own = {path.parent.name: tomllib.loads(path.read_text()) for path in sorted(BACKENDS.glob("*/study.toml"))}
-    told: Told = {name: {} for name in own} | {name: about for bundle in bundles for name, about in bundle.header["backends"].items()}
+    told: Told = {name: {} for name in own}
+    for bundle in reversed(bundles):  # what stands first speaks
+        told |= bundle.header["backends"]
     names = sorted(told, key=lambda name: (name not in own, own.get(name, {}).get("external", False), name))
     strange = [name for name in names if name not in own]
     return {name: {"label": str(own.get(name, {}).get("title") or told[name].get("title") or name.replace("_", " "))[:60],
-                   "colour": _colour(own.get(name, told[name]), COLOURS[strange.index(name) % len(COLOURS)] if name in strange else "#888888"),
-                   "dash": "solid"} for name in names}
+                   "colour": _colour(own.get(name, told[name]), COLOURS[strange.index(name) % len(COLOURS)] if name in strange else "#888888")}
+            for name in names}
 
 
 def _colour(about: Told, spare: str) -> str:

@@ -19,19 +19,21 @@ from ..page.views import views_of
 from ..publish.measured import SOURCE, Measured, Source, source_of
 from ..results.records import inner
 from .bundle import Bundle, Told
-from .columns import COLUMNS, MOST_CHARACTERS
+from .columns import COLUMNS, MOST_CHARACTERS, TEXTS
 from .study_rows import study_rows
 
 OURS = "this project"
 OWN_LICENCE = "MIT"
 LICENCES_OF_DATA = {"synthetic": f"{OWN_LICENCE}: made by code of this project", "lhdl": f"{LHDL_LICENCE}: not for commercial use"}
-LICENCE = re.compile(r"(?:[\w.+-]*(?:MIT|BSD|Apache|GPL|MPL|ISC|BSL|CC)[\w.+-]*|zlib)(?: \([^)]*\))?")
+LICENCE = re.compile(r"(?<![\w.-])(?:MIT|ISC|Zlib|zlib|BSL-1\.0|Apache-2\.0|BSD-[1-4]-Clause|[AL]?GPL-\d[\w.+-]*|MPL-\d[\w.]*|CC-?BY[\w. -]*)(?![\w-])")
+RELEASE = re.compile(r"\d|@")
+OWN_BACKENDS = Path(__file__).resolve().parents[3] / "backends"
 UNKNOWN = "not told"
 
 
-def bundle_of(folder: Path, told: Mapping[str, str] | None = None, sources: Mapping[str, str] | None = None) -> Bundle:
+def bundle_of(folder: Path, told: Mapping[str, str] | None = None, sources: Mapping[str, str] | None = None, with_shapes: bool = True) -> Bundle:
     """`told`: licences, `sources`: commits, by backend or scene. Raises Problem where one is missing or the study is not there."""
-    told, sources = told or {}, sources or {}
+    told, sources, folder = told or {}, sources or {}, folder.resolve()
     is_published = (folder / SOURCE).is_file()
     rows = _clean(study_rows(folder))
     rows = rows[rows.groupby("backend")["time_ms"].transform("count") > 0]  # of the others no run is there that would tell whose they are
@@ -53,7 +55,7 @@ def bundle_of(folder: Path, told: Mapping[str, str] | None = None, sources: Mapp
         "backends": {name: _of_backend(name, source, told, sources) | titles.get(name, {}) for name in sorted(set(rows["backend"]))},
         "scenes": scenes,
     }
-    return Bundle(header, rows, None if is_published else _shapes(folder, scenes), str(folder))
+    return Bundle(header, rows, _shapes(folder, scenes) if with_shapes and not is_published else None, str(folder))
 
 
 def _shapes(folder: Path, scenes: Iterable[str]) -> Told | None:
@@ -72,11 +74,11 @@ def _shapes(folder: Path, scenes: Iterable[str]) -> Told | None:
 def _of_backend(name: str, source: Source, told: Mapping[str, str], sources: Mapping[str, str]) -> Told:
     """Whose code it is, of which commit or release, under which licence."""
     text = source.implementations.get(name, "")
-    if text.startswith(OURS):
+    if text.startswith(OURS) and (OWN_BACKENDS / name).is_dir():
         return {"implementation": text, "source": sources.get(name, f"musclebench {source.commit}"), "licence": told.get(name, OWN_LICENCE)}
     found = LICENCE.search(text)
-    licence, release = told.get(name) or (found[0] if found else ""), sources.get(name) or (text.split(",")[0] if found else "")
-    if not licence or not release:
+    licence, release = told.get(name) or (found[0] if found else ""), sources.get(name) or text.split(",")[0]
+    if not licence or not RELEASE.search(release):
         raise Problem(f"backend {name} does not say its licence and its source: add --licence {name}=MIT --source {name}=URL@COMMIT, each "
                       "with your own")
     return {"implementation": text or name, "source": release, "licence": licence}
@@ -110,7 +112,7 @@ def _a_run(folder: Path) -> Told:
 
 def _clean(rows: pd.DataFrame) -> pd.DataFrame:
     """Sentences of runs on one line, and no longer than a bundle's texts."""
-    texts = [column.name for column in COLUMNS if column.kind in ("text", "hash")]
+    texts = TEXTS
     counts = [column.name for column in COLUMNS if column.kind == "count"]
     rows = rows.assign(**{name: rows[name].fillna("").astype(str).map(lambda text: " ".join(text.split())[:MOST_CHARACTERS]) for name in texts})
     return rows.assign(**{name: rows[name].astype("Int64") for name in counts})

@@ -7,6 +7,9 @@ import json
 import math
 import re
 import zipfile
+import struct
+import zlib
+from datetime import date, timedelta
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 
@@ -26,7 +29,7 @@ TABLES = {"machine": ("cpu", "cores"), "build": ("compiler", "flags")}
 ABOUT: dict[str, tuple[str, ...]] = {"backends": ("implementation", "source", "licence"), "scenes": ("licence",)}
 Cell = str | float | int | bool
 CONTROL = re.compile(r"[\x00-\x1f\x7f\u202a-\u202e\u2066-\u2069]")
-DATE = re.compile(r"\d{4}-\d{2}-\d{2}")
+NUMBER = re.compile(r"[0-9]+(\.[0-9]+)?(e[-+]?[0-9]+)?", re.IGNORECASE)
 
 
 def read_bundle(path: Path) -> Bundle:
@@ -43,7 +46,7 @@ def read_bundle(path: Path) -> Bundle:
         shapes = _shapes(parts[SHAPES], header) if SHAPES in parts else None
         return Bundle(header, rows, shapes, str(path))
     except Problem as problem:
-        raise Problem(f"{path}: {problem}; tools/bundle makes it anew from results") from None
+        raise Problem(f"{path}: {problem}; ask whoever sent it for one of tools/bundle") from None
 
 
 def _parts(path: Path) -> dict[str, bytes]:
@@ -56,12 +59,14 @@ def _parts(path: Path) -> dict[str, bytes]:
                 raise Problem(f"holds {strange[0][:80]!r}, and only {', '.join(LARGEST_PARTS)} belong into it")
             if len(names) != len(set(names)):
                 raise Problem("holds a file twice")
+            if any(info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED) or info.flag_bits & 1 for info in file.infolist()):
+                raise Problem("is packed in a way that no bundle is (encrypted, or not deflated)")
             if missing := {HEADER, ROWS} - set(names):
                 raise Problem(f"lacks {sorted(missing)[0]}")
             return {name: _unpacked(file, name) for name in names}
     except OSError as problem:
         raise Problem(f"can't be read ({problem.strerror or problem})") from None
-    except (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, ValueError) as problem:
+    except (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError, ValueError, OverflowError, struct.error) as problem:
         raise Problem(f"is no zip that can be read ({problem})") from None
 
 
@@ -122,8 +127,12 @@ def _check_header(header: Told) -> None:
         raise Problem(f"{HEADER} has format {str(header.get('format'))[:20]}, and this tool reads {FORMAT}")
     for key in TEXTS:
         _check_text(header, key)
-    if not DATE.fullmatch(header["measured"]):
-        raise Problem(f"{HEADER}, measured: {header['measured'][:20]!r} is no date like 2026-11-30")
+    try:
+        is_past = date.fromisoformat(header["measured"]) <= date.today() + timedelta(days=1)  # anywhere on earth
+    except ValueError:
+        is_past = False
+    if not is_past:
+        raise Problem(f"{HEADER}, measured: {header['measured'][:20]!r} is no date of the past, like 2026-11-30")
     for table in (*TABLES, "state", "backends", "scenes", "files"):
         if not isinstance(header.get(table), dict):
             raise Problem(f"{HEADER} lacks the table {table!r}")
@@ -168,8 +177,9 @@ def _rows(data: bytes) -> pd.DataFrame:
     if not rows:
         raise Problem(f"{ROWS} has no row")
     table = pd.DataFrame(rows, columns=list(NAMES))
-    if table.duplicated(["scene", "backend", "configuration", "threads"]).any():
-        raise Problem(f"{ROWS} has a configuration twice")
+    for keys in (["scene", "backend", "configuration", "threads"], ["scene", "backend", "parameters", "threads"]):
+        if table.duplicated(keys).any():
+            raise Problem(f"{ROWS} has a configuration twice")
     return table
 
 
@@ -192,7 +202,7 @@ def _of(is_right: object, value: Cell) -> Cell:
 
 def _number(column: Column, cell: str) -> Cell:
     """A time is more than nothing."""
-    value = float(cell)
+    value = float(_of(NUMBER.fullmatch(cell), cell))
     least = 0.0 if not column.name.endswith("_ms") else 1e-9
     return _of(least <= value < 1e15, value)
 
@@ -203,7 +213,7 @@ _READ: dict[str, Callable[[Column, str], Cell]] = {
                                      and (column.name != "parameters" or isinstance(json.loads(cell), dict)), cell),
     "status": lambda column, cell: _of(cell in STATUSES, cell),
     "hash": lambda column, cell: _of(HASH.fullmatch(cell), cell),
-    "count": lambda column, cell: _of(float(cell).is_integer() and 0 <= float(cell) <= MOST_COUNT, int(float(cell))),
+    "count": lambda column, cell: _of(NUMBER.fullmatch(cell) and float(cell).is_integer() and 0 <= float(cell) <= MOST_COUNT, int(float(cell))),
     "number": _number,
     "flag": lambda column, cell: _of(cell in ("True", "False"), cell == "True"),
 }

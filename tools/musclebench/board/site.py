@@ -5,6 +5,7 @@ import re
 import shutil
 import tempfile
 from collections.abc import Iterable, Sequence
+from csv import QUOTE_NONNUMERIC
 from dataclasses import dataclass, field
 from datetime import datetime, timezone
 from pathlib import Path
@@ -12,34 +13,50 @@ from urllib.parse import quote
 
 import jinja2
 import pandas as pd
-from markupsafe import Markup
 
 from ..page.bundle import BOARD, SOURCES, page_script
 from ..page.packed import packed_bytes
 from ..program.cli import Problem
+from ..tables.difficulties import TITLES
 from .bundle import Bundle, Told
+from .columns import FLAGS
 from .hard_cases import HardCase
 from .looks import looks_of
 from .made import OURS
 from .page_column import PageColumn
-from .standing import CLAIMED, REFUTED, UNHASHED, VERIFIED, board_rows
+from .standing import CLAIMED, OTHER, REFUTED, UNHASHED, VERIFIED, board_rows
 
 MARK = "board.csv"  # by which a folder is known as a board
 LARGEST_BYTES = 20_000_000
 TITLE = "What collision accuracy costs in a muscle simulation"
 WORDS = {
-    VERIFIED: "The same answers, to the last bit, were computed here. Times are always claimed.",
+    VERIFIED: "The same answers, to the last bit, and the same errors at contacts were computed here. Times, moment arms, pressures and torques are always "
+              "claimed.",
     CLAIMED: "Nobody computed the answers here.",
+    OTHER: "This version gives other answers to the same questions. That one may have given its own.",
     UNHASHED: "The results are of before answers had a hash.",
-    REFUTED: "Here the same questions got other answers. The row can't win.",
+    REFUTED: "The same version gave other answers or errors here, or the row goes by another setting's name. It can't win.",
     "closed": "A scene that everyone can have, the newest questions, a bound that the backend declares and that its answers held.",
     "open": "All other rows.",
     "surface offset": "How far the backend's surface is from the true one at contacts: 99 of 100 have a smaller one.",
     "moment arm, peak pressure, joint torque": "Root mean square over the motion of the difference from the run with exact collision. No figure is better than "
                                                "what rounding does by itself. Times are of the run in which the backend drives the muscle.",
     "pays after frames": "Then the setting has made up for its build: it is ahead of all that hold the error and are ready sooner.",
-    "older query set": "The row is grey: since then the scene asks other questions.",
+    "other query set": "The row is grey: it answers other questions than the scene asks now.",
+    "*": "The machine was busy with something else while it was measured.",
 }
+
+
+@dataclass
+class Part:
+    """A table or a list of a page, or its runs in space."""
+
+    title: str
+    words: list[str] = field(default_factory=list)
+    pairs: dict[str, str] = field(default_factory=dict)
+    rows: list[Told] = field(default_factory=list)
+    columns: list[PageColumn] = field(default_factory=list)
+    views: Told | None = None  # as view.html.j2 reads them
 
 
 @dataclass
@@ -47,9 +64,10 @@ class Page:
     path: str
     title: str
     words: list[str] = field(default_factory=list)
-    parts: list[Told] = field(default_factory=list)
+    parts: list[Part] = field(default_factory=list)
     needs_script: bool = False
-    more: Told = field(default_factory=dict)
+    index: Told | None = None  # of the page with the ranking
+    menu: dict[str, list[Told]] = field(default_factory=dict)
 
     @property
     def root(self) -> str:
@@ -60,17 +78,18 @@ COLUMNS = [
     PageColumn("setting", "setting"), PageColumn("backend", "backend", link="backend_page"), PageColumn("scene", "scene", link="scene_page"),
     PageColumn("time", "ms a frame", True), PageColumn("offset", "surface offset (mm)", True), PageColumn("arm", "moment arm off (mm)", True),
     PageColumn("pressure", "peak pressure off (%)", True), PageColumn("build", "build (s)", True), PageColumn("memory", "MB", True),
-    PageColumn("standing", "answers"), PageColumn("bound", "declared bound"), PageColumn("division", "division"), PageColumn("machine_name", "machine", link="machine_page"),
+    PageColumn("standing", "answers"), PageColumn("bound", "declared bound"), PageColumn("division", "division"),
+    PageColumn("machine_name", "machine", link="machine_page"),
     PageColumn("measured", "measured"), PageColumn("why_not", "why it can't win"),
 ]
 
 
-def write_site(bundles: Sequence[Bundle], recomputed: Sequence[pd.DataFrame], hard: Sequence[HardCase], out: Path) -> pd.DataFrame:
-    """The rows of the board. `recomputed`: see standing. Into a new folder, or in place of an older board; whole or not at all. Raises Problem where there is
-    no row, where `out` is something else, or where the scripts can't be made."""
-    if out.exists() and not (out / MARK).is_file():
+def write_site(bundles: Sequence[Bundle], hard: Sequence[HardCase], out: Path, recomputed: Sequence[pd.DataFrame] = (), commit: str = "") -> pd.DataFrame:
+    """The rows of the board. `recomputed`, `commit`: see standing. Into a new folder, or in place of an older board, which goes when
+    the new one is whole. Raises Problem where `out` is something else, or where the scripts can't be made."""
+    if out.is_symlink() or (out.exists() and not (out / MARK).is_file()):
         raise Problem(f"--out {out}: is there already and is no board; name a new folder")
-    rows = board_rows(bundles, recomputed)
+    rows = board_rows(bundles, recomputed, commit)
     script = page_script(entry=BOARD)
     out.parent.mkdir(parents=True, exist_ok=True)
     folder = Path(tempfile.mkdtemp(prefix=f".{out.name}.", dir=out.parent))
@@ -80,9 +99,11 @@ def write_site(bundles: Sequence[Bundle], recomputed: Sequence[pd.DataFrame], ha
         if size > LARGEST_BYTES:
             raise Problem(f"the board would have {size / 1e6:.1f} MB, more than {LARGEST_BYTES / 1e6:g}; give it fewer bundles")
         folder.chmod(0o755)
+        old = folder.with_name(f"{folder.name}.old")
         if out.exists():
-            shutil.rmtree(out)
+            out.rename(old)
         folder.rename(out)
+        shutil.rmtree(old, ignore_errors=True)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     return rows
@@ -90,18 +111,17 @@ def write_site(bundles: Sequence[Bundle], recomputed: Sequence[pd.DataFrame], ha
 
 def _write(folder: Path, rows: pd.DataFrame, bundles: Sequence[Bundle], hard: Sequence[HardCase], script: str) -> None:
     engine = jinja2.Environment(loader=jinja2.FileSystemLoader(SOURCES), autoescape=True, trim_blocks=True, lstrip_blocks=True,
-                                undefined=jinja2.ChainableUndefined)
+                                undefined=jinja2.StrictUndefined)
     engine.filters["packed"] = lambda text: packed_bytes(text.encode())
     engine.policies["json.dumps_kwargs"] = {"sort_keys": False}
     template = engine.get_template("board.html.j2")
     made = datetime.now(timezone.utc).strftime("%Y-%m-%d")
     told = {"made": made, "sources": [bundle.header["title"] for bundle in bundles], "looks": looks_of(bundles)}
-    csv = rows.drop(columns="bundle").to_csv(index=False)
+    csv = rows.drop(columns=["bundle", "title", "refutation"]).astype({flag: int for flag in (*FLAGS, "is_old")}).to_csv(index=False, quoting=QUOTE_NONNUMERIC)
     for page in _pages(rows, bundles, hard, csv):
         path = folder / page.path
         path.parent.mkdir(exist_ok=True)
-        path.write_text(template.render(told | page.more, title=page.title, words=page.words, parts=page.parts, root=page.root,
-                                        script=page.needs_script), encoding="utf-8")
+        path.write_text(template.render(told | vars(page), root=page.root), encoding="utf-8")
     (folder / "style.css").write_text((SOURCES / "style.css").read_text(encoding="utf-8"), encoding="utf-8")
     (folder / "board.js").write_text(script, encoding="utf-8")
     (folder / MARK).write_text(csv, encoding="utf-8")
@@ -119,16 +139,16 @@ def _pages(rows: pd.DataFrame, bundles: Sequence[Bundle], hard: Sequence[HardCas
                          [_table("All settings", [cell for cell in cells if cell["name"] in names])]) for text, names in libraries.items()]
     of_machines = [_machine_page(name, path, cells, bundles) for name, path in paths["machines"].items()]
     of_cases = [Page(paths["hard"][case.name], f"Hard case {case.name}", [case.what, case.why, f"Bar: {case.bar}."],
-                     [{"title": "What each backend does", "words": [], "rows": case.cells, "columns": HardCase.COLUMNS}]) for case in hard]
+                     [Part("What each backend does", rows=case.cells, columns=HardCase.COLUMNS)]) for case in hard]
     menu = {kind: [{"href": quote(page.path), "title": page.title} for page in pages] for kind, pages in
             {"Backends": backends, "Libraries": of_libraries, "Scenes": scenes, "Machines": of_machines, "Hard cases": of_cases}.items() if pages}
     by_cost = rows.groupby("scene")["time_ms"].median().sort_values(ascending=False, kind="stable").index  # where there is most contact first
     index = {"scenes": {name: name for name in by_cost}, "machines": {name: name for name in paths["machines"]}, "csv": csv,
-             "meanings": WORDS,
+             "meanings": WORDS, "contacts": {"all": "all"} | {kind: f"{'easy' if kind == 'flat' else 'hard'}: {title}" for kind, title in TITLES.items()},
              "looks": {name: looks[name] | {"page": quote(path)} for name, path in paths["backends"].items()}}
-    words = ["Every backend answers the same questions: is a node of a muscle inside a bone, and how deep? Say which error you can live with, "
-             "and read what it costs."]
-    return [Page("index.html", TITLE, words, [], True, {"index": index, "menu": menu}), *backends, *of_libraries, *scenes, *of_machines, *of_cases]
+    words = ["Every backend answers the same questions: is a node of a muscle inside a bone, and how deep? Say which error you can live with, and read what "
+             "it costs."]
+    return [Page("index.html", TITLE, words, [], True, index, menu), *backends, *of_libraries, *scenes, *of_machines, *of_cases]
 
 
 def _paths(folder: str, names: Iterable[str]) -> dict[str, str]:
@@ -149,33 +169,34 @@ def _cells(rows: pd.DataFrame, looks: Told, paths: dict[str, dict[str, str]]) ->
     return [{
         "name": row["backend"], "setting": row["spoken"] or row["configuration"], "backend": looks[row["backend"]]["label"],
         "backend_page": quote(paths["backends"][row["backend"]]), "scene": row["scene"], "scene_page": quote(paths["scenes"][row["scene"]]),
-        "time": _figure(row["time_ms"]), "offset": _figure(row["offset_mm"], 1e-6), "arm": _figure(row["arm_mm"]),
+        "time": _figure(row["time_ms"]) + (" *" if row["is_disturbed"] else ""), "offset": _figure(row["offset_mm"], 1e-6), "arm": _figure(row["arm_mm"]),
         "pressure": _figure(row["pressure_percent"]), "build": _figure(row["build_s"]), "memory": _figure(row["structure_bytes"], 0, 1e-6),
         "standing": row["standing"], "bound": row["bound"], "division": row["division"], "machine": row["machine"],
-        "machine_name": row["machine"].split(",")[0], "machine_page": paths["machines"][row["machine"]],
-        "measured": f"{row['measured']}, {row['commit'][:7]}{', older query set' if row['is_old'] else ''}", "is_old": row["is_old"], "why_not": row["why_not"],
+        "machine_name": f"{row['machine'].split(',')[0]}, {row['title']}", "machine_page": paths["machines"][row["machine"]],
+        "measured": f"{row['measured']}, {row['commit'][:7]}{', other query set' if row['is_old'] else ''}", "is_old": row["is_old"], "why_not": row["why_not"],
     } for row in rows.to_dict("records")]
 
 
 def _backend_page(name: str, cells: list[Told], looks: Told, bundles: Sequence[Bundle], hard: Sequence[HardCase], paths: Told) -> Page:
-    about = next(bundle.header["backends"][name] for bundle in reversed(bundles) if name in bundle.header["backends"])
+    about = _first(bundles, "backends", name)
     told = {"code": about["implementation"], "source": about["source"], "licence": about["licence"]}
     verdicts = [{"case": case.name, "page": quote(paths["hard"][case.name]), **cell} for case in hard for cell in case.cells if cell["backend"] == name]
-    parts = [{"title": "Whose code it is", "words": [], "pairs": told}, _table("All settings", [cell for cell in cells if cell["name"] == name], {"backend"})]
+    parts = [Part("Whose code it is", pairs=told), _table("All settings", [cell for cell in cells if cell["name"] == name], {"backend"})]
     if verdicts:
         columns = [PageColumn("case", "case", link="page"), *HardCase.COLUMNS[1:]]
-        parts.append({"title": "Hard cases", "words": [], "rows": verdicts, "columns": columns})
+        parts.append(Part("Hard cases", rows=verdicts, columns=columns))
     return Page(paths["backends"][name], looks[name]["label"], [about.get("help", "")] if about.get("help") else [], parts)
 
 
 def _scene_page(name: str, path: str, cells: list[Told], bundles: Sequence[Bundle]) -> Page:
-    licence = next(bundle.header["scenes"][name]["licence"] for bundle in reversed(bundles) if name in bundle.header["scenes"])
-    parts = [{"title": "Licence of the anatomy", "words": [licence]}, _table("All settings", [cell for cell in cells if cell["scene"] == name], {"scene"})]
-    shapes = next((bundle.shapes[name] for bundle in reversed(bundles) if bundle.shapes and name in bundle.shapes), None)
+    parts = [Part("Licence of the anatomy", [_first(bundles, "scenes", name)["licence"]]),
+             _table("All settings", [cell for cell in cells if cell["scene"] == name], {"scene"})]
+    shapes = next((bundle.shapes[name] for bundle in bundles if bundle.shapes and name in bundle.shapes), None)
     if shapes:
         words = "Drag to turn. Keyboard: arrow keys turn, plus and minus zoom, 0 shows the first view, space plays. The address keeps camera and frame."
-        parts.insert(1, {"views": {"kind_of_part": "views", "title": "Shapes, pressure and forces", "words": words, "scenes": shapes["scenes"],
-                                   "data": shapes, "muscle": shapes["scenes"][0]["muscle"]}})
+        views = {"title": "Shapes, pressure and forces", "words": words, "scenes": shapes["scenes"], "data": shapes,
+                 "muscle": shapes["scenes"][0]["muscle"]}
+        parts.insert(1, Part("Shapes", views=views))
     return Page(path, name, [], parts, bool(shapes))
 
 
@@ -186,9 +207,10 @@ def _machine_page(name: str, path: str, cells: list[Told], bundles: Sequence[Bun
             about = bundle.header
             state = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in about["state"].items() if value is not None)
             lines.append({"title": about["title"], "measured": about["measured"], "commit": about["commit"], "command": about["command"], "state": state})
-    columns = [PageColumn("title", "bundle"), PageColumn("measured", "measured"), PageColumn("commit", "commit"), PageColumn("command", "command"), PageColumn("state", "state of the machine")]
+    columns = [PageColumn("title", "bundle"), PageColumn("measured", "measured"), PageColumn("commit", "commit"), PageColumn("command", "command"),
+               PageColumn("state", "state of the machine")]
     return Page(path, name, ["Times of these bundles compare with each other, and with no others."],
-                [{"title": "Bundles", "words": [], "rows": lines, "columns": columns}, _table("All settings", [cell for cell in cells if cell["machine"] == name])])
+                [Part("Bundles", rows=lines, columns=columns), _table("All settings", [cell for cell in cells if cell["machine"] == name])])
 
 
 def _libraries(bundles: Sequence[Bundle]) -> dict[str, set[str]]:
@@ -201,14 +223,19 @@ def _libraries(bundles: Sequence[Bundle]) -> dict[str, set[str]]:
     return found
 
 
-def _table(title: str, rows: list[Told], without: set[str] | None = None) -> Told:
+def _first(bundles: Sequence[Bundle], table: str, name: str) -> Told:
+    """What stands first speaks for a name: a stranger's bundle rewrites nothing of what is known."""
+    told: Told = next(bundle.header[table][name] for bundle in bundles if name in bundle.header[table])
+    return told
+
+
+def _table(title: str, rows: list[Told], without: set[str] | None = None) -> Part:
     """Columns that say nothing here are left out."""
     columns = [column for column in COLUMNS if column.name not in (without or set()) and any(row[column.name] not in ("", "-") for row in rows)]
-    return {"title": title, "words": [], "rows": rows, "columns": columns}
+    return Part(title, rows=rows, columns=columns)
 
 
 def _figure(value: float, exact: float = 0.0, factor: float = 1.0) -> str:
     if pd.isna(value):
         return "-"
     return "exact" if value < exact else f"{factor * value:.4g}"
-

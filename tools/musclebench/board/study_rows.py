@@ -6,12 +6,14 @@ import pandas as pd
 
 from ..program.cli import Problem
 from ..results.disturbance import MARK
-from .columns import COLUMNS, DIFFICULTIES, NAMES
+from ..results.status import MEASURED
+from ..tables.difficulties import TITLES
+from .columns import FLAGS, NAMES, TEXTS
 
-SAME = ("scene", "backend", "configuration", "spoken", "parameters", "threads", "series", "fineness", "is_default", "is_advised", "is_control",
-        "status", "detail", "verdict", "stride", "frames", "build_s", "structure_bytes", "is_disturbed", "queries_hash", "contact_hash")
+SAME = ("scene", "backend", "configuration", "spoken", "parameters", "threads", "series", "fineness", "status", "detail", "verdict", "stride", "frames",
+        "build_s", "structure_bytes", "is_disturbed", "queries_hash", "contact_hash")
 RENAMED = {"ok_repetitions": "repetitions", "collision_ms": "time_ms", "collision_ms_low": "time_ms_low", "collision_ms_high": "time_ms_high"}
-MILLIMETRES = {"p99_offset_m": "offset_mm", "max_offset_m": "max_offset_mm", "max_missed_depth_m": "missed_mm",
+MILLIMETRES = {"p99_offset_m": "offset_mm", "max_missed_depth_m": "missed_mm",
                "max_false_distance_m": "false_mm", "declared_missed_m": "declared_missed_mm", "declared_false_m": "declared_false_mm"}
 OWN = {"collision_ms": "own_ms", "collision_ms_low": "own_ms_low", "collision_ms_high": "own_ms_high", "state_hash": "state_hash"}
 ARMS = {"arm_rms_mm": "arm_mm", "arm_floor_mm": "arm_floor_mm"}
@@ -34,11 +36,10 @@ def study_rows(folder: Path) -> pd.DataFrame:
     for given, name in MILLIMETRES.items():
         rows[name] = 1e3 * replays[given] if given in replays else None
     rows = _with(rows, _of_mode(study, "arms", OWN))
-    rows = _with(rows, _of_mode(study, "coupled", {"outcome_p99_contact_depth_m": "left_mm"}, 1e3))
-    rows = _with(rows, _by_muscle(folder, "contact_difficulties", study, {f"{kind}_mm": f"{kind}_mm" for kind in DIFFICULTIES}))
+    rows = _with(rows, _by_muscle(folder, "contact_difficulties", study, {f"{kind}_mm": f"{kind}_mm" for kind in TITLES}))
     rows = _with(rows, _by_muscle(folder, "arm_errors", study, ARMS))
     rows = _with(rows, _by_muscle(folder, "force_errors", study, dict(zip(FORCES, FORCES))))
-    flags = [column.name for column in COLUMNS if column.kind == "flag"]
+    flags = list(FLAGS)
     rows[flags] = rows[flags].astype(object).where(rows[flags].notna(), False).astype(bool)
     return rows.reindex(columns=NAMES).reset_index(drop=True)
 
@@ -47,16 +48,17 @@ def _table(folder: Path, name: str) -> pd.DataFrame | None:
     """Beside the runs of a study its tables are in a folder of their own."""
     path = next((path for path in (folder / f"{name}.csv", folder / "tables" / f"{name}.csv") if path.is_file()), None)
     try:
-        return None if path is None else pd.read_csv(path, keep_default_na=False, na_values=[""])
+        # A hash may look like a number.
+        return None if path is None else pd.read_csv(path, keep_default_na=False, na_values=[""], dtype=dict.fromkeys(TEXTS, str))
     except ValueError as problem:
         raise Problem(f"{path}: not a table ({problem}); let tools/accuracy --report-only write it again") from None
 
 
-def _of_mode(study: pd.DataFrame, mode: str, names: dict[str, str], factor: float = 1.0) -> pd.DataFrame:
-    mine = study[(study["mode"] == mode) & study["status"].isin(["ok", "suspect"])]
+def _of_mode(study: pd.DataFrame, mode: str, names: dict[str, str]) -> pd.DataFrame:
+    mine = study[(study["mode"] == mode) & study["status"].isin(MEASURED)]
     found = mine[KEY].copy()
     for given, name in names.items():
-        found[name] = mine[given] if factor == 1.0 and given in mine else factor * mine[given] if given in mine else None
+        found[name] = mine.get(given)
     return found
 
 

@@ -1,16 +1,18 @@
 """Makes the board: static pages that rank every backend by the error that one can live with. They need no server and no network.
 
-BUNDLE is a zip of tools/bundle, the --out folder of tools/accuracy, or a published study. A folder of these stands for all that it
-holds, also the hard cases of `reports/measured`. Times of different machines are never compared.
+BUNDLE is a zip of tools/bundle, the --out folder of tools/accuracy, or a published study. A folder stands for all zips and published
+studies in it, such as reports/measured, also for its hard cases. Times of different bundles are never compared. What stands first
+speaks for names, licences and questions, so name what you trust first.
 
-Answers are the same bits on every machine. So anyone can check what others claim: --recompute records each scene and asks every
-setting again. A row with the same answers to the same questions is then verified. One with others is refuted and can't win. Times
-stay claimed. With --recomputed, answers come from results that are here already.
+Answers of one version are the same bits on every machine. So anyone can check what others claim: --recompute records each scene,
+asks every setting again and judges it. A row with the same answers and errors to the same questions is then verified. If the same
+version gives others here, it is refuted and can't win. Times, moment arms and forces stay claimed. With --recomputed, answers come
+from results that are here already.
 
   tools/board reports/measured
   tools/board theirs.zip --recompute
 
-Exit codes: 0 the board is written; 2 nothing was written, and one line says what is wrong; 3 it is written, and answers of a bundle
+Exit codes: 0 the board is written; 2 nothing was written, and one line says what is wrong; 3 it is written, and rows of a bundle
 were refuted.
 """
 

@@ -21,9 +21,12 @@ from .shared import Needs, Tool
 
 def parse_arguments(arguments: list[str] | None) -> argparse.Namespace:
     parser = OneLineParser(prog="tools/bundle", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("results", type=Path, metavar="RESULTS", help="folder of a study of accuracy; with --check a bundle")
-    parser.add_argument("--check", action="store_true", help="read a bundle and say what it holds; write nothing")
+    parser.add_argument("results", type=Path, nargs="?", metavar="RESULTS", help="folder of a study of accuracy; with --check a bundle")
+    instead = parser.add_mutually_exclusive_group()
+    instead.add_argument("--check", action="store_true", help="read a bundle and say what it holds; write nothing")
+    instead.add_argument("--columns", action="store_true", help="say what the columns of a bundle mean")
     parser.add_argument("--out", type=Path, metavar="FILE", help="the bundle (default: RESULTS.zip, next to the folder)")
+    parser.add_argument("--no-shapes", action="store_true", help="leave out the shapes of runs, and with them the bones and muscles of the scene")
     parser.add_argument("--licence", action="append", default=[], metavar="NAME=LICENCE", type=_named,
                         help="of a backend or a scene that does not tell its own; may be repeated")
     parser.add_argument("--source", action="append", default=[], metavar="NAME=URL@COMMIT", type=_named,
@@ -39,6 +42,12 @@ def _named(text: str) -> tuple[str, str]:
 
 
 def check(options: argparse.Namespace) -> None:
+    if options.results is None:
+        if not options.columns:
+            raise Problem("name a folder of results, or a bundle with --check; --help shows the options")
+        return
+    if (options.check or options.columns) and (options.out or options.licence or options.source or options.no_shapes):
+        raise Problem("--check and --columns write nothing: leave out --out, --licence, --source and --no-shapes")
     if not options.results.exists():
         raise Problem(f"{options.results}: no such {'bundle' if options.check else 'folder; name the --out of tools/accuracy'}")
     if not options.check and not options.results.is_dir():
