@@ -134,7 +134,8 @@ def without(*keys: str):
 @pytest.mark.parametrize(("header", "words"), [
     (without("machine", "cpu"), "lacks machine.cpu"), (without("build", "flags"), "lacks build.flags"), (without("commit"), "lacks commit"),
     (without("backends", "bvh", "licence"), "lacks backends.bvh.licence"), (without("scenes", "synthetic/iliacus", "licence"), "licence"),
-    (without("backends", "vtk"), "does not tell of vtk"), (lambda told: told | {"format": 9}, "format 9"), (lambda told: told | {"measured": "soon"}, "is no date"),
+    (without("backends", "vtk"), "does not tell of vtk"), (lambda told: told | {"format": 9}, "format 9"),
+    (lambda told: told | {"measured": "soon"}, "is no date"),
     (lambda told: told | {"measured": "2999-01-01"}, "is no date of the past"),
     (lambda told: told | {"title": "a\u202eb"}, "control characters"), (lambda told: told | {"state": [1]}, "table 'state'"),
     (lambda told: [told], "not a table"),
