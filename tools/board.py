@@ -9,7 +9,7 @@ from musclebench.board.bundle import Bundle
 from musclebench.board.hard_cases import HardCase, hard_cases
 from musclebench.board.made import bundle_of
 from musclebench.board.reading import read_bundle
-from musclebench.board.recompute import recompute
+from musclebench.board.recompute import Limits, recompute
 from musclebench.board.site import write_site
 from musclebench.board.standing import REFUTED
 from musclebench.options.board import check, parse_arguments
@@ -26,7 +26,7 @@ def read_all(paths: list[Path]) -> tuple[list[Bundle], list[HardCase]]:
     bundles, hard = [], []
     for path in paths:
         for one in _inside(path):
-            if one.name.startswith(HARD) and one.is_dir():
+            if one.name.startswith(HARD) and (one / "cells.csv").is_file():
                 hard += hard_cases(one)
             elif one is path or one.suffix == ".zip" or one.name.startswith(ACCURACY):
                 bundles.append(bundle_of(one) if one.is_dir() else read_bundle(one))
@@ -53,7 +53,7 @@ def make(options) -> int:
     if options.recompute:
         registry = read_registry(options.musclebench)
         commit = json.loads(registry.text)["git"]
-        answers.append(recompute(bundles, options.musclebench, registry, options.data, options.longest, say))
+        answers.append(recompute(bundles, options.musclebench, registry, options.data, Limits(options.longest, 60 * options.within), say))
     rows = write_site(bundles, hard, options.out, answers, commit)
     counts = ", ".join(f"{count} {name}" for name, count in rows["standing"].value_counts().items())
     print(f"{options.out / 'index.html'}: {len(rows)} settings of {rows['backend'].nunique()} backends on {rows['machine'].nunique()} "

@@ -16,6 +16,9 @@ function writeAddress(state, fixed) {
   history.replaceState(null, "", told.length ? `#${new URLSearchParams(told)}` : location.pathname + location.search);
 }
 
+const boundOf = (row) => (row.declared_missed_mm === null ? row.bound : `${figure(Math.max(row.declared_missed_mm, row.declared_false_mm))} mm, ${row.bound}`);
+const nameOf = (row) => `${row.spoken ?? row.configuration}${row.stride > 1 ? `, every ${row.stride}th frame` : ""}`;
+
 class Board {
   constructor(section, rows, choice) {
     Object.assign(this, { section, rows, choice });
@@ -45,6 +48,9 @@ class Board {
     for (const name of ["scene", "machine", "error", "contacts", "division"]) {
       if (![...this.parts[name].options].some((option) => option.value === state[name])) state[name] = this.fixed[name];
     }
+    const there = new Set(this.rows.filter((row) => row.scene === state.scene).map((row) => row.machine));
+    for (const option of this.parts.machine.options) option.hidden = option.disabled = !there.has(option.value);
+    if (!there.has(state.machine)) [state.machine] = there;
     const at = Number(state.at);
     return { ...state, at: at > 0 && Number.isFinite(at) ? at : this.fixed.at };
   }
@@ -92,13 +98,14 @@ class Board {
     const shown = this.mine.filter((row) => this.choice.shows(row.backend)), { ranked, unable } = ranking(shown, this.state);
     const error = `${figure(this.state.at)} ${about.unit}`;
     this.parts.told.textContent = ranked.length
-      ? `${this.choice.name(ranked[0].backend)} is the cheapest that holds ${error}: ${ranked[0].spoken ?? ranked[0].configuration}, ${figure(ranked[0].time_ms)} ms a frame.`
+      ? `${this.choice.name(ranked[0].backend)} is the cheapest that holds ${error}: ${nameOf(ranked[0])}, ${figure(ranked[0].time_ms)} ms a frame.` +
+        (ranked[1]?.is_tied ? ` The interval of ${this.choice.name(ranked[1].backend)} overlaps.` : "")
       : `Nothing here holds ${error}.`;
     this.parts.ranking.innerHTML = ranked.map((row) => this.lineOf(row, about)).join("");
     const cannot = shown.filter((row) => !canWin(row) && !unable.some((one) => one.backend === row.backend));
     this.parts.unable.innerHTML = [
       ...unable.map(({ backend, why, error: off }) => [this.choice.name(backend), off === null ? why : `${why} ${figure(off)} ${about.unit}`]),
-      ...cannot.map((row) => [row.spoken ?? row.configuration, row.why_not ?? "this error of it was not measured"]),
+      ...cannot.map((row) => [nameOf(row), row.why_not ?? "this error of it was not measured"]),
     ].map(([name, why]) => `<li>${escaped(name)}: ${escaped(why)}</li>`).join("");
   }
 
@@ -106,9 +113,9 @@ class Board {
     const pays = row.pays_after === null ? "unknown" : row.pays_after === Infinity ? "never" : row.pays_after === 0 ? "at once" : String(row.pays_after);
     const cells = [
       [row.rank, true], [`<a href="${escaped(this.choice.looks[row.backend].page)}"><span class="dot" style="background:${escaped(this.choice.colour(row.backend))}"></span>${escaped(this.choice.name(row.backend))}</a>`],
-      [escaped(row.spoken ?? row.configuration)], [`${figure(row.time_ms)}${row.is_disturbed ? " *" : ""} <span class="quiet">(${figure(row.time_ms_low)} to ${figure(row.time_ms_high)})</span>`, true], [`${row.times.toPrecision(3)}${row.is_tied ? " (overlaps)" : ""}`, true],
+      [escaped(nameOf(row))], [`${figure(row.time_ms)}${row.is_disturbed ? " *" : ""} <span class="quiet">(${figure(row.time_ms_low)} to ${figure(row.time_ms_high)})</span>`, true], [`${row.times.toPrecision(3)}${row.is_tied ? " (overlaps)" : ""}`, true],
       [row.error < EXACT_MM ? "exact" : `${figure(row.error)} ${about.unit}`, true], [figure(row.build_s), true], [pays, true], [figure(row.structure_mb), true],
-      [escaped(`${row.standing}; ${row.division}`)], [escaped(`${row.measured}${row.is_old ? ", other query set" : ""}`)],
+      [escaped(this.state.error === "surface" ? `${row.standing}; ${row.division}` : "claimed; open")], [escaped(boundOf(row)), true], [escaped(`${row.measured}${row.is_old ? ", other query set" : ""}`)],
     ];
     return `<tr${row.is_old ? ' class="old"' : ""}>${cells.map(([text, isNumber]) => `<td${isNumber ? ' class="number"' : ""}>${text}</td>`).join("")}</tr>`;
   }

@@ -15,14 +15,17 @@ export function columnOf(state) {
   return state.error === "surface" && state.contacts !== "all" ? `${state.contacts}_mm` : ERRORS[state.error].column;
 }
 
-// Rows of the chosen scene and machine with what is asked for as `error`, `time_ms` and its interval. What rounding does by
-// itself nobody can be better than.
+// Rows of the chosen scene and machine with what is asked for as `error`, `time_ms` and its interval. Nobody can be better than
+// what rounding does by itself; where nobody knows that, an error says nothing.
 export function asked(rows, state) {
   const about = ERRORS[state.error], column = columnOf(state);
-  return rows
-    .filter((row) => row.scene === state.scene && row.machine === state.machine && (state.division === "all" || row.division === "closed"))
+  const mine = rows.filter((row) => row.scene === state.scene && row.machine === state.machine);
+  const floors = about.floor ? mine.map((row) => row[about.floor]).filter((floor) => floor !== null) : [0];
+  const floor = floors.length ? Math.max(...floors) : null;
+  return mine
+    .filter((row) => state.division === "all" || row.division === "closed")
     .map((row) => ({
-      ...row, error: row[column] === null ? null : Math.max(row[column], (about.floor && row[about.floor]) || 0),
+      ...row, error: row[column] === null || floor === null ? null : Math.max(row[column], floor),
       time_ms: row[about.time], time_ms_low: row[`${about.time}_low`], time_ms_high: row[`${about.time}_high`],
     }));
 }
@@ -38,7 +41,7 @@ export function ranking(rows, state) {
   const first = [...best.values()][0];
   const ranked = [...best.values()].map((row, index) => ({
     ...row, rank: index + 1, times: row.time_ms / first.time_ms, pays_after: paysAfter(row, holding),
-    is_tied: index > 0 && row.time_ms_low !== null && row.time_ms_low <= first.time_ms_high,
+    is_tied: index > 0 && !(row.time_ms_low > first.time_ms_high),
   }));
   const others = [...new Set(rows.map((row) => row.backend))].filter((name) => !best.has(name));
   return { ranked, unable: others.map((backend) => ({ backend, ...whyNone(rows.filter((row) => row.backend === backend)) })) };
@@ -46,8 +49,8 @@ export function ranking(rows, state) {
 
 // After so many frames it is ahead of all that hold the error and are ready sooner; Infinity: one of them is faster, too.
 export function paysAfter(row, holding) {
-  const sooner = holding.filter((other) => other.build_s !== null && other.build_s < row.build_s);
-  if (row.build_s === null) return null;
+  if (holding.some((other) => other.build_s === null)) return null;
+  const sooner = holding.filter((other) => other.build_s < row.build_s);
   return Math.max(0, ...sooner.map((other) => (other.time_ms <= row.time_ms ? Infinity
     : Math.ceil((1e3 * (row.build_s - other.build_s)) / (other.time_ms - row.time_ms)))));
 }

@@ -185,7 +185,7 @@ class View {
     }
     const lines = this.stage.cells.filter((cell) => cell.momentOf(this.frame) >= 0).map((cell) => this.nodeOf(cell));
     const bound = this.data.attached[this.marked] ? ", bound to a bone" : "";
-    this.parts.readout.innerHTML = `<table><caption>Node ${this.data.order[this.marked]}${bound}, frame ${this.frame}</caption><thead><tr><th>backend</th>` +
+    this.parts.readout.innerHTML = `<table><caption>Node ${escaped(this.data.order[this.marked])}${bound}, frame ${escaped(this.frame)}</caption><thead><tr><th>backend</th>` +
       "<th>depth in a bone (mm)</th><th>of the surface around it (mm)</th><th>pressure (Pa)</th><th>distance to the nearest bone (mm)</th><th>bone</th></tr></thead><tbody>" +
       lines.map((line) => `<tr><th scope="row">${escaped(line.backend)}</th><td class="number">${known(line.depth)}</td>` +
         `<td class="number">${known(line.around)}</td><td class="number">${known(line.pressure)}</td>` +

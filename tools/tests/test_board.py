@@ -12,8 +12,8 @@ from musclebench.board import site
 from musclebench.board.bundle import Bundle, write_bundle
 from musclebench.board.hard_cases import hard_cases
 from musclebench.board.made import bundle_of
-from musclebench.board.recompute import recompute
-from musclebench.board.standing import board_rows
+from musclebench.board.recompute import Limits, recompute
+from musclebench.board.standing import board_rows, machines_of
 from musclebench.program.cli import Problem
 from musclebench.program.registry import Registry, SceneEntry
 from published_bundle import ANSWERS, MEASURED, OTHERS, PUBLISHED, QUESTIONS, made
@@ -45,17 +45,20 @@ def test_the_same_answers_are_verified_and_others_refuted(published):
 
 @pytest.mark.parametrize(("claim", "words"), [
     ({"offset_mm": 0.5}, "offset_mm is 0 here, not 0.5"), ({"missed_mm": 0.05}, "missed_mm is 0"), ({"declared_missed_mm": 9.0}, "declared_missed_mm is 0.1"),
-    ({"configuration": "bvh 512"}, "its parameters are those of 'bvh'"), ({"spoken": "splendid"}, "its parameters are those of 'bvh'"),
+    ({"configuration": "bvh 512"}, "its parameters are those of 'bvh'"), ({"true_contacts": 9}, "true_contacts is 5000 here"),
 ])
 def test_errors_and_names_of_verified_rows_were_computed_here(published, claim, words):
-    here = made(published, offset_mm=0.0, spoken="exact tree").rows
-    row = board_rows([made(published, **({"offset_mm": 0.0, "spoken": "exact tree"} | claim))], [here]).iloc[0]
-    assert row["standing"] == "refuted" and words in row["why_not"] and row["division"] == "open"
+    here, bundle = made(published, offset_mm=0.0, spoken="exact tree").rows, made(published, **({"offset_mm": 0.0} | claim))
+    for commit, standing in ((published.header["commit"], "refuted"), ("another", "claimed, other version")):
+        row = board_rows([bundle], [here], commit).iloc[0]
+        assert row["standing"] == standing and words in row["why_not"] and row["division"] == "open"
 
 
-def test_what_is_not_told_refutes_nothing_and_wins_nothing(published):
-    row = board_rows([made(published, missed_mm=None)], [made(published).rows]).iloc[0]
-    assert (row["standing"], row["bound"], row["division"]) == ("verified", "not judged", "open")
+def test_what_is_computed_here_takes_the_place_of_what_is_claimed(published):
+    """Empty cells hide nothing, and words are this program's."""
+    here = made(published, missed_mm=0.2, spoken="exact tree").rows
+    row = board_rows([made(published, missed_mm=None, declared_missed_mm=None, spoken="splendid")], [here]).iloc[0]
+    assert (row["standing"], row["bound"], row["spoken"], row["why_not"]) == ("verified", "broken", "exact tree", "errs by more than it declares")
 
 
 def test_other_parameters_are_other_answers(published):
@@ -67,11 +70,13 @@ def test_other_parameters_are_other_answers(published):
 @pytest.mark.parametrize(("values", "bound", "division"), [
     ({}, "held", "closed"), ({"missed_mm": 0.2}, "broken", "open"), ({"false_mm": 0.2}, "broken", "open"),
     ({"declared_missed_mm": None}, "none declared", "open"),
-    ({"missed_mm": None}, "not judged", "open"), ({"declared_false_mm": None, "missed_mm": 0.2}, "broken", "open"), ({"scene": "my.toml"}, "held", "open"),
+    ({"missed_mm": None}, "not judged", "open"), ({"true_contacts": 99}, "not judged", "open"), ({"stride": 4}, "held", "open"),
+    ({"declared_missed_mm": 1e4}, "held", "open"), ({"missed_mm": None, "false_mm": 50}, "broken", "open"), ({"scene": "lhdl/mine"}, "held", "open"),
+    ({"declared_false_mm": None, "missed_mm": 0.2}, "broken", "open"), ({"scene": "my.toml"}, "held", "open"),
 ])
 def test_a_bound_is_the_backends_own_word(published, values, bound, division):
     bundle = made(published, **values)
-    row = board_rows([replace(bundle, header=bundle.header | {"scenes": {"my.toml": {"licence": "x"}, **bundle.header["scenes"]}})]).iloc[0]
+    row = board_rows([bundle]).iloc[0]
     assert (row["bound"], row["division"]) == (bound, division) and (row["why_not"] != "") == (bound == "broken")
 
 
@@ -79,15 +84,16 @@ def test_other_questions_are_grey_whatever_their_date(published):
     ours, strange = measured_on(made(published), "2026-01-01"), measured_on(made(published, queries_hash="f" * 16), "2026-02-01", "B")
     assert board_rows([ours, strange])["is_old"].tolist() == [False, True] and board_rows([strange, ours])["is_old"].tolist() == [False, True]
     assert board_rows([strange, ours], [ours.rows])["is_old"].tolist() == [True, False]
-    assert board_rows([ours, replace(published, rows=published.rows.head(2))])["is_old"].tolist() == [False, True, True]  # of before there were hashes
-    assert board_rows([ours, strange])["division"].tolist() == ["closed", "open"]
+    assert not board_rows([ours, published])["is_old"].any()  # of before there were hashes: nobody knows what was asked
+    rows = board_rows([ours, strange])
+    assert rows["division"].tolist() == ["closed", "open"] and rows["why_not"].tolist() == ["", "it answers other questions than the scene asks now"]
 
 
-def test_only_what_can_win_replaces_and_only_its_own(published):
-    old, new = measured_on(made(published), "2026-01-01"), measured_on(made(published), "2026-02-01")
-    failed = measured_on(made(published, status="timeout"), "2026-03-01")
-    other = measured_on(made(published), "2026-03-01", "B")
-    assert board_rows([new, old, failed, other])["why_not"].tolist() == ["", "measured anew", "timeout", ""]
+def test_a_bundle_changes_no_row_of_another(published):
+    """Also not one of the same name and machine."""
+    rows = board_rows([made(published), made(published, time_ms=1e-4)])
+    assert rows["machine"].nunique() == 2 and rows["why_not"].tolist() == ["", ""]
+    assert machines_of([published, published, published])[2] == f"{published.machine} (3)"
 
 
 def test_threads_are_another_question(published):
@@ -124,7 +130,7 @@ def test_a_stranger_sets_no_paths(published, tmp_path, monkeypatch, capsys):
     bundles = [made(published, name) for name in ("bvh", "sdf 32", "fcl OBB")]
     strange = made(published, "sdf 32", parameters='{"structures": "/etc"}', configuration="sdf strange")
     elsewhere = made(published, scene="my.toml")
-    found = recompute([*bundles, strange, elsewhere], program, registry, None, 10.0, lambda text: None)
+    found = recompute([*bundles, strange, elsewhere], program, registry, None, Limits(10.0, 60.0), lambda text: None)
     assert set(found["configuration"]) == {"bvh", "sdf 32"} and set(found["contact_hash"]) == {ANSWERS}
     asked, told = (tmp_path / "asked.txt").read_text(), capsys.readouterr().err
     assert "/etc" not in asked and "--param cells=32" in asked
@@ -148,7 +154,8 @@ def no_script(monkeypatch):
 def test_the_projects_own_board_is_whole(published, tmp_path, no_script):
     hard = hard_cases(MEASURED / "hard-synthetic")
     rows = site.write_site([published], hard, tmp_path / "board")
-    assert len(rows) == len(published.rows) and {path.name for path in (tmp_path / "board").iterdir()} > {"index.html", "board.js", "style.css", "board.csv"}
+    names = {path.name for path in (tmp_path / "board").iterdir()}
+    assert len(rows) == len(published.rows) and names > {"index.html", "board.js", "style.css", "board.csv", "board.json"}
     assert (tmp_path / "board" / "backends" / "bvh.html").is_file() and len(list((tmp_path / "board" / "hard").iterdir())) == len(hard) > 50
     assert {path.stem for path in (tmp_path / "board" / "libraries").iterdir()} >= {"FCL-0.7.0", "VTK-9.1.0"}
     pages = {path: path.read_text() for path in (tmp_path / "board").rglob("*.html")}
@@ -182,9 +189,12 @@ def test_only_a_board_is_replaced(published, tmp_path, no_script, monkeypatch):
     with pytest.raises(Problem, match="is no board"):
         site.write_site([published], [], tmp_path / "mine")
     site.write_site([published], [], tmp_path / "board")
-    (tmp_path / "board" / "old.html").write_text("old")
-    site.write_site([published], [], tmp_path / "board")
-    assert not (tmp_path / "board" / "old.html").exists()
+    (tmp_path / "board" / "scenes" / "mine.html").write_text("mine")
+    with pytest.raises(Problem, match="scenes/mine.html is none of its files"):
+        site.write_site([published], [], tmp_path / "board")
+    (tmp_path / "board" / "scenes" / "mine.html").unlink()
+    site.write_site([made(published)], [], tmp_path / "board")
+    assert not (tmp_path / "board" / "backends" / "vtk.html").exists()
     monkeypatch.setattr(site, "LARGEST_BYTES", 1000)
     with pytest.raises(Problem, match="more than"):
         site.write_site([published], [], tmp_path / "board")
@@ -194,15 +204,18 @@ def test_only_a_board_is_replaced(published, tmp_path, no_script, monkeypatch):
 
 # The tool
 
-def test_the_board_takes_folders_and_tells_what_is_refuted(published, tmp_path, no_script, capsys):
-    (tmp_path / "bundles").mkdir()
-    (tmp_path / "none").mkdir()
+def test_the_board_takes_folders_and_tells_what_is_refuted(published, tmp_path, no_script, monkeypatch, capsys):
+    for name in ("bundles", "none", "ours", "ours/raw"):
+        (tmp_path / name).mkdir()
     write_bundle(made(published), tmp_path / "bundles" / "theirs.zip")
-    write_bundle(made(published, contact_hash=OTHERS), tmp_path / "ours.zip")
     words = [str(PUBLISHED), str(tmp_path / "bundles"), str(tmp_path / "none"), "--out", str(tmp_path / "board")]
     assert board_tool.main(words) == 0 and f"{len(published.rows) + 1} settings" in capsys.readouterr().out
-    assert board_tool.main([*words, "--recomputed", str(tmp_path / "ours.zip")]) == board_tool.CODE_REFUTED
+    of_folder = board_tool.bundle_of
+    monkeypatch.setattr(board_tool, "bundle_of", lambda path: made(published, contact_hash=OTHERS) if path == tmp_path / "ours" else of_folder(path))
+    (tmp_path / "ours" / "study.csv").write_text("")
+    assert board_tool.main([*words, "--recomputed", str(tmp_path / "ours")]) == board_tool.CODE_REFUTED
     told = capsys.readouterr()
     assert told.err == "refuted: bvh on synthetic/iliacus, of accuracy-synthetic: its answers are not those that it gives here\n" and "1 refuted" in told.out
-    assert board_tool.main([str(tmp_path / "none"), "--out", str(tmp_path / "other")]) == 2 and not (tmp_path / "other").exists()
-    assert "holds no study of accuracy" in capsys.readouterr().err
+    for wrong in ([str(tmp_path / "none")], [*words, "--recomputed", str(tmp_path / "bundles" / "theirs.zip")], [str(tmp_path / "nothing")]):
+        assert board_tool.main([*wrong, "--out", str(tmp_path / "other")]) == 2 and len(capsys.readouterr().err.splitlines()) == 1
+    assert not (tmp_path / "other").exists()

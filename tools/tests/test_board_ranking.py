@@ -48,7 +48,9 @@ def test_a_build_pays_after_so_many_frames():
     rows = [row("slow", 10.0, 0.0, build_s=0.1), row("fast", 1.0, 0.0, build_s=1.0), row("loser", 12.0, 0.0, build_s=2.0),
             row("unknown", 20.0, 0.0, build_s=None)]
     pays = {one["backend"]: one["pays_after"] for one in ranked(rows)["ranked"]}
-    assert pays == {"slow": 0, "fast": 100, "loser": "never", "unknown": None}  # 0.9 s later, 9 ms a frame faster
+    assert set(pays.values()) == {None}  # one of them may be ready sooner
+    pays = {one["backend"]: one["pays_after"] for one in ranked(rows[:-1])["ranked"]}
+    assert pays == {"slow": 0, "fast": 100, "loser": "never"}  # 0.9 s later, 9 ms a frame faster
 
 
 def test_hard_contacts_and_other_errors_have_columns_and_times_of_their_own():
@@ -58,6 +60,8 @@ def test_hard_contacts_and_other_errors_have_columns_and_times_of_their_own():
     arm = ranked(rows, error="arm", contacts="ridge", at=0.1)
     assert arm["ranked"] == [] and arm["column"] == "arm_mm"  # nobody is better than rounding
     assert [(one["backend"], one["time_ms"], one["error"]) for one in ranked(rows, error="arm", at=0.2)["ranked"]] == [("grid", 3.0, 0.2)]
+    alone = [row("grid", 1.0, 0.01, own_ms=3.0, own_ms_low=2.0, own_ms_high=4.0, arm_mm=0.0)]
+    assert ranked(alone, error="arm", at=1.0)["ranked"] == []  # nobody knows what rounding does
 
 
 def test_times_whose_intervals_overlap_are_said_to():

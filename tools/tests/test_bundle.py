@@ -6,12 +6,14 @@ import json
 import re
 import shutil
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
 import bundle as bundle_tool
+from musclebench.board import reading
 from musclebench.board.bundle import FORMAT, HEADER, LONG_AGO, ROWS, SHAPES, Bundle, bundle_bytes, write_bundle
 from musclebench.board.columns import COLUMNS, NAMES
 from musclebench.board.made import LICENCE, bundle_of
@@ -110,6 +112,7 @@ def test_what_is_packed_by_hand_is_read(published, tmp_path):
     (cell("backend", "../../etc"), "is no name"), (cell("backend", "unknown"), "does not tell of unknown"), (cell("contact_hash", "0x1"), "is no hash"),
     (cell("status", "splendid"), "is no status"), (cell("is_disturbed", "yes"), "is no flag"), (cell("time_ms", "1_0"), "is no number"),
     (cell("time_ms", " 1"), "is no number"), (cell("parameters", "[1]"), "is no text"),
+    (cell("parameters", '{"cells": "1\\u0000"}'), "is no text"), (cell("parameters", '{"cells": 16}'), "is no text"),
     (cell("detail", "a\x1b[31m"), "is no text"), (cell("spoken", "a" * 501), "is no text"), (lambda text: text.splitlines()[0] + "\n", "no row"),
     (lambda text: text.replace("time_ms,", "time_s,", 1), "other columns"), (lambda text: text + text.splitlines()[1] + "\n", "twice"),
     (lambda text: text + "a,b\n", "2 cells"), (lambda text: text + 5000 * (text.splitlines()[1] + "\n"), "more than 5000 rows"),
@@ -137,7 +140,9 @@ def without(*keys: str):
     (without("backends", "vtk"), "does not tell of vtk"), (lambda told: told | {"format": 9}, "format 9"),
     (lambda told: told | {"measured": "soon"}, "is no date"),
     (lambda told: told | {"measured": "2999-01-01"}, "is no date of the past"),
-    (lambda told: told | {"title": "a\u202eb"}, "control characters"), (lambda told: told | {"state": [1]}, "table 'state'"),
+    (lambda told: told | {"title": "a\u202eb"}, "control characters"), (lambda told: told | {"title": "a\ud800"}, "control characters"),
+    (lambda told: told | {"x" * 200: 1}, "a key of more than 160"), (lambda told: told | {"state": {"load": 1e300}}, "is no number"),
+    (lambda told: told | {"state": [1]}, "table 'state'"),
     (lambda told: [told], "not a table"),
     (lambda told: told | {"state": {"load": float("nan")}}, "no number"), (lambda told: told | {"more": "x" * 300_000}, "more than 0.2 MB"),
 ])
@@ -159,6 +164,37 @@ def test_forged_rows_are_refused(published, tmp_path):
 def test_files_that_do_not_belong_there_are_refused(published, tmp_path, more, words):
     with pytest.raises(Problem, match=re.escape(words)):
         read_bundle(packed(tmp_path / "a.zip", published, more=more))
+
+
+def shapes_of(published, tmp_path, **run) -> Path:
+    shapes = {"synthetic/iliacus": {"scenes": [{"muscle": "iliacus", "runs": [run]}], "meshes": {}}}
+    write_bundle(replace(published, shapes=shapes), tmp_path / "a.zip")
+    return tmp_path / "a.zip"
+
+
+def test_shapes_hold_no_markup_and_no_bomb(published, tmp_path, monkeypatch):
+    assert read_bundle(shapes_of(published, tmp_path, frames=[0, 1])).shapes
+    with pytest.raises(Problem, match="holds markup"):
+        read_bundle(shapes_of(published, tmp_path, frames=["<img src=x onerror=alert(1)>"]))
+    monkeypatch.setattr(reading, "MOST_LEAVES", 1000)
+    with pytest.raises(Problem, match="more than 1000 values"):
+        read_bundle(shapes_of(published, tmp_path, frames=[0] * 1000))
+    with pytest.raises(Problem, match="more than 4 MB"):
+        read_bundle(shapes_of(published, tmp_path, frames=[0] * 400_000))
+
+
+def test_an_own_scene_goes_by_its_name(tmp_path):
+    shutil.copytree(PUBLISHED, tmp_path / "mine")
+    study = (tmp_path / "mine" / "study.csv").read_text()
+    (tmp_path / "mine" / "study.csv").write_text(study.replace("synthetic/iliacus", "/home/me/my hip.toml"))
+    bundle = bundle_of(tmp_path / "mine")
+    assert set(bundle.rows["scene"]) == {"my hip"} and bundle.header["scenes"] == {"my hip": {"licence": "not told"}}
+    (tmp_path / "mine" / "study.csv").write_text(study.replace("synthetic/iliacus", "h\u00fcft.toml"))
+    with pytest.raises(Problem, match="is no name that a bundle can hold"):
+        bundle_of(tmp_path / "mine")
+    (tmp_path / "mine" / "study.csv").write_text(study.replace("collision_ms,", "collision_s,", 1))
+    with pytest.raises(Problem, match="lacks the column collision_ms"):
+        bundle_of(tmp_path / "mine")
 
 
 def test_a_zip_that_lies_about_its_sizes_is_refused(published, tmp_path):
@@ -207,6 +243,7 @@ def test_a_bundle_is_made_and_checked(published, tmp_path, capsys):
     assert bundle_tool.main(["--check", str(out)]) == 0 and capsys.readouterr().out.count("10 backends on synthetic/iliacus") == 2
     assert bundle_tool.main(["--columns"]) == 0 and "surface offset" in capsys.readouterr().out
     out.write_text("no zip")
+    assert bundle_tool.main([str(PUBLISHED), "--out", str(out)]) == 2 and out.read_text() == "no zip" and "is no bundle" in capsys.readouterr().err
     for wrong in (["--check", str(out)], [str(tmp_path / "nothing")], [], ["--check", str(out), "--out", "b.zip"], [str(PUBLISHED), "--out", "b.tar"],
                   [str(tmp_path)]):
         assert bundle_tool.main(wrong) == 2 and len(capsys.readouterr().err.splitlines()) == 1

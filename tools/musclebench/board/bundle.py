@@ -30,10 +30,10 @@ class Bundle:
 
     @property
     def machine(self) -> str:
-        """Times compare where this is the same. Two machines may have one processor's name, so each bundle is one of its own."""
+        """For people: two machines may have one processor's name, so times compare within one bundle only."""
         machine, build = self.header["machine"], self.header["build"]
         cores = f", {machine['cores']} cores" if machine["cores"] else ""
-        return f"{machine['cpu']}{cores}, {build['compiler']}, {self.header['title']}"
+        return f"{self.header['title']}: {machine['cpu']}{cores}, {build['compiler']}"
 
 
 def bundle_bytes(bundle: Bundle) -> bytes:

@@ -19,7 +19,8 @@ from ..page.views import views_of
 from ..publish.measured import SOURCE, Measured, Source, source_of
 from ..results.records import inner
 from .bundle import Bundle, Told
-from .columns import COLUMNS, MOST_CHARACTERS, TEXTS
+from .columns import COLUMNS, MOST_CHARACTERS, NAME, TEXTS
+from .project_scenes import is_of_project
 from .study_rows import study_rows
 
 OURS = "this project"
@@ -44,8 +45,12 @@ def bundle_of(folder: Path, told: Mapping[str, str] | None = None, sources: Mapp
         source, run = source_of(folder, _command(plan)), _a_run(folder)
     if unknown := sorted((set(told) | set(sources)) - set(rows["backend"]) - set(rows["scene"])):
         raise Problem(f"{unknown[0]}: no backend and no scene of {folder} is called so")
+    rows["scene"] = [Path(scene).stem if scene.endswith(".toml") else scene for scene in rows["scene"]]  # of an own one, not its path
+    if strange := [name for name in (folder.name, *rows["scene"], *rows["backend"], *rows["configuration"]) if not NAME.fullmatch(name)]:
+        raise Problem(f"{folder}: {strange[0]!r} is no name that a bundle can hold; use letters, digits and _ . - and run the study again")
     titles = _titles(folder)
-    scenes = {name: {"licence": told.get(name) or LICENCES_OF_DATA.get(name.split("/")[0], UNKNOWN)} for name in sorted(set(rows["scene"]))}
+    scenes = {name: {"licence": told.get(name) or (LICENCES_OF_DATA.get(name.split("/")[0], UNKNOWN) if is_of_project(name) else UNKNOWN)}
+              for name in sorted(set(rows["scene"]))}
     header: Told = {
         "title": folder.name, "measured": (plan.get("started") or source.date)[:10], "commit": source.commit, "command": source.command,
         "machine": {"cpu": source.machine, "cores": inner(run, "machine", "cores") or 0},
@@ -105,7 +110,7 @@ def _a_run(folder: Path) -> Told:
             run: Told = json.loads(path.read_text())
         except ValueError:
             continue
-        if run.get("build"):
+        if isinstance(run, dict) and run.get("build"):
             return run
     return {}
 

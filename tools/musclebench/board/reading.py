@@ -10,7 +10,7 @@ import zipfile
 import struct
 import zlib
 from datetime import date, timedelta
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pandas as pd
@@ -20,15 +20,21 @@ from .bundle import FORMAT, HEADER, ROWS, SHAPES, Bundle, Told
 from .columns import COLUMNS, HASH, MOST_CHARACTERS, NAME, NAMES, STATUSES, Column
 
 LARGEST_ZIP = 16_000_000  # bytes
-LARGEST_PARTS = {HEADER: 200_000, ROWS: 5_000_000, SHAPES: 12_000_000}
+LARGEST_PARTS = {HEADER: 200_000, ROWS: 5_000_000, SHAPES: 4_000_000}
 MOST_ROWS = 5_000
+LARGEST_NUMBER = 1e15
 MOST_COUNT = 2**53  # a browser's numbers are whole up to here
 DEEPEST = 12  # tables in tables
+MOST_LEAVES = 300_000  # of JSON
+MOST_IN_A_KEY = 160  # characters
 TEXTS = ("title", "measured", "commit", "command")
 TABLES = {"machine": ("cpu", "cores"), "build": ("compiler", "flags")}
 ABOUT: dict[str, tuple[str, ...]] = {"backends": ("implementation", "source", "licence"), "scenes": ("licence",)}
 Cell = str | float | int | bool
-CONTROL = re.compile(r"[\x00-\x1f\x7f\u202a-\u202e\u2066-\u2069]")
+# What has no sign, turns the direction of a text, or is half a character.
+CONTROL = re.compile("[\x00-\x1f\x7f-\x9f\u200b-\u200f\u2028-\u202e\u2060-\u2069\ud800-\udfff\ufeff]")
+MARKUP = re.compile("[<>&\"`]")  # a browser gets shapes as they are
+VALUE = re.compile(r"[A-Za-z0-9 _.+-]{0,80}")  # of a parameter
 NUMBER = re.compile(r"[0-9]+(\.[0-9]+)?(e[-+]?[0-9]+)?", re.IGNORECASE)
 
 
@@ -89,13 +95,15 @@ def _json(data: bytes, name: str) -> Told:
         raise Problem(f"{name} is not JSON ({str(problem)[:80]})") from None
     if not isinstance(told, dict):
         raise Problem(f"{name} is not a table of keys")
-    for where, value, depth in _leaves(told, name, 0):
+    for count, (key, value, depth) in enumerate(_leaves(told, name, 0)):
         if depth > DEEPEST:
             raise Problem(f"{name} has tables in tables deeper than {DEEPEST}")
-        if isinstance(value, float) and not math.isfinite(value):
-            raise Problem(f"{where[:80]} is no number")
-        if isinstance(value, str) and CONTROL.search(value):
-            raise Problem(f"{where[:80]!r} has control characters")
+        if count > MOST_LEAVES or len(key) > MOST_IN_A_KEY:
+            raise Problem(f"{name} has more than {MOST_LEAVES} values, or a key of more than {MOST_IN_A_KEY} characters")
+        if isinstance(value, (int, float)) and not abs(value) < LARGEST_NUMBER:
+            raise Problem(f"{name}, {key[:80]!r}, is no number")
+        if CONTROL.search(key) or (isinstance(value, str) and CONTROL.search(value)):
+            raise Problem(f"{name}, {key[:80]!r}, has control characters")
     return told
 
 
@@ -108,18 +116,22 @@ def _shapes(data: bytes, header: Told) -> Told:
         runs = about["scenes"]
         if not isinstance(runs, list) or not runs or not isinstance(runs[0], dict) or not NAME.fullmatch(str(runs[0].get("muscle"))):
             raise Problem(f"{SHAPES}, {scene[:60]}: lacks its muscle")
+    if strange := next((value for _, value, _ in _leaves(told, SHAPES, 0) if isinstance(value, str) and MARKUP.search(value)), None):
+        raise Problem(f"{SHAPES} holds markup: {strange[:60]!r}")
     return told
 
 
-def _leaves(value: object, where: str, depth: int) -> Iterator[tuple[str, object, int]]:
-    """Keys, too."""
-    inner: Iterable[tuple[object, object]] = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    if depth <= DEEPEST:
-        for key, one in inner:
-            if isinstance(key, str):
-                yield f"{where}, a key", key, depth
-            yield from _leaves(one, f"{where}, {key}", depth + 1)
-    yield where, value, depth
+def _leaves(value: object, key: str, depth: int) -> Iterator[tuple[str, object, int]]:
+    """With the key under which each stands."""
+    yield key, value, depth
+    if depth > DEEPEST:
+        return
+    if isinstance(value, dict):
+        for name, one in value.items():
+            yield from _leaves(one, name, depth + 1)
+    elif isinstance(value, list):
+        for one in value:
+            yield from _leaves(one, key, depth + 1)
 
 
 def _check_header(header: Told) -> None:
@@ -200,6 +212,10 @@ def _of(is_right: object, value: Cell) -> Cell:
     return value
 
 
+def _are_parameters(told: object) -> bool:
+    return isinstance(told, dict) and all(NAME.fullmatch(key) and isinstance(value, str) and VALUE.fullmatch(value) for key, value in told.items())
+
+
 def _number(column: Column, cell: str) -> Cell:
     """A time is more than nothing."""
     value = float(_of(NUMBER.fullmatch(cell), cell))
@@ -210,7 +226,7 @@ def _number(column: Column, cell: str) -> Cell:
 _READ: dict[str, Callable[[Column, str], Cell]] = {
     "name": lambda column, cell: _of(NAME.fullmatch(cell), cell),
     "text": lambda column, cell: _of(len(cell) <= MOST_CHARACTERS and not CONTROL.search(cell)
-                                     and (column.name != "parameters" or isinstance(json.loads(cell), dict)), cell),
+                                     and (column.name != "parameters" or _are_parameters(json.loads(cell))), cell),
     "status": lambda column, cell: _of(cell in STATUSES, cell),
     "hash": lambda column, cell: _of(HASH.fullmatch(cell), cell),
     "count": lambda column, cell: _of(NUMBER.fullmatch(cell) and float(cell).is_integer() and 0 <= float(cell) <= MOST_COUNT, int(float(cell))),

@@ -5,7 +5,9 @@ import json
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
@@ -22,10 +24,17 @@ MOST_THREADS = 64
 RECORD_SECONDS = 1800.0
 
 
-def recompute(bundles: Sequence[Bundle], program: Path, registry: Registry, data: Path | None, longest_s: float,
+@dataclass(frozen=True)
+class Limits:
+    longest_s: float  # of one setting
+    within_s: float  # of all
+
+
+def recompute(bundles: Sequence[Bundle], program: Path, registry: Registry, data: Path | None, limits: Limits,
               say: Callable[[str], None]) -> pd.DataFrame:
-    """Rows of what this program answers, of all settings that it has. What takes longer than `longest_s` or is not known here is
-    left out and said."""
+    """Rows of what this program answers, of all settings that it has. What takes too long or is not known here is left out and
+    said."""
+    program, end = program.resolve(), time.monotonic() + limits.within_s
     asked = pd.concat([bundle.rows for bundle in bundles], ignore_index=True)
     asked = asked[asked["contact_hash"] != ""].drop_duplicates(KEY)
     found: list[Told] = []
@@ -34,8 +43,11 @@ def recompute(bundles: Sequence[Bundle], program: Path, registry: Registry, data
         for scene, rows in asked.groupby("scene", sort=False):
             recording = _recorded(str(scene), program, registry, data, Path(folder), say)
             for count, row in enumerate(rows.to_dict("records"), 1):
+                if time.monotonic() > end:
+                    left_out.append(f"what would take more than {limits.within_s / 60:g} min in all")
+                    break
                 say(f"{scene}, {row['configuration']} ({count} of {len(rows)})")
-                answer = _replayed(row, recording, program, registry, Path(folder), longest_s) if isinstance(recording, Path) else recording
+                answer = _replayed(row, recording, program, registry, Path(folder), limits.longest_s) if isinstance(recording, Path) else recording
                 if isinstance(answer, str):
                     left_out.append(answer)
                 else:
@@ -64,6 +76,8 @@ def _called(program: Path, words: list[str], longest_s: float) -> str | None:
         done = subprocess.run([str(program), *words], capture_output=True, text=True, check=False, timeout=longest_s)
     except subprocess.TimeoutExpired:
         return f"{words[0]} takes longer than {longest_s:g} s"
+    except (OSError, ValueError) as problem:
+        return f"{words[0]} can't be started ({problem})"
     return None if done.returncode == 0 else (done.stderr.strip().splitlines() or ["no word"])[-1][:200]
 
 
@@ -84,7 +98,13 @@ def _replayed(row: Told, recording: Path, program: Path, registry: Registry, fol
         words += ["--param", f"{key}={value}"]
     if failed := _called(program, words, longest_s):
         return what + failed
-    run, chosen = json.loads((out / "run.json").read_text()), configuration(backend, parameters, int(row["threads"]))
+    try:
+        run = json.loads((out / "run.json").read_text())
+    except (OSError, ValueError) as problem:
+        return f"{what}its run.json can't be read ({problem})"
+    if not isinstance(run, dict) or not run.get("queries_hash") or not run.get("contact_hash"):
+        return f"{what}the program is older than these tools"
+    chosen = configuration(backend, parameters, int(row["threads"]))
     return {"configuration": chosen.name, "spoken": chosen.spoken} | _answers(run)
 
 
@@ -93,6 +113,7 @@ def _answers(run: Told) -> Told:
     kinds = {told["difficulty"]: 1e3 * number(told, "p99_offset_m") for told in (run.get("surface_offset") or {}).get("of_difficulties", []) if told["sites"]}
     return {
         "queries_hash": run["queries_hash"], "contact_hash": run["contact_hash"],
+        "sites": number(run, "surface_offset", "sites"), "true_contacts": number(run, "accuracy", "true_contacts"),
         "offset_mm": 1e3 * number(run, "surface_offset", "p99_offset_m"), **{f"{kind}_mm": kinds.get(kind, float("nan")) for kind in TITLES},
         "missed_mm": 1e3 * number(run, "accuracy", "max_missed_depth_m"), "false_mm": 1e3 * number(run, "accuracy", "max_false_distance_m"),
         "declared_missed_mm": 1e3 * number(run, "declared", "missed_depth_m"), "declared_false_mm": 1e3 * number(run, "declared", "false_distance_m"),

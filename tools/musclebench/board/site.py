@@ -1,6 +1,8 @@
 """Writes the board: a folder of static pages that load nothing from elsewhere, ready for any host or for a double click."""
 
 import itertools
+import json
+import math
 import re
 import shutil
 import tempfile
@@ -24,25 +26,28 @@ from .hard_cases import HardCase
 from .looks import looks_of
 from .made import OURS
 from .page_column import PageColumn
-from .standing import CLAIMED, OTHER, REFUTED, UNHASHED, VERIFIED, board_rows
+from .standing import CLAIMED, FEWEST_CONTACTS, LARGEST_BOUND_MM, OTHER, REFUTED, ROUNDING_MM, UNHASHED, VERIFIED, board_rows, machines_of
 
-MARK = "board.csv"  # by which a folder is known as a board
+MARK, ROWS = "board.json", "board.csv"  # the first tells which files are the board's
 LARGEST_BYTES = 20_000_000
+LONGEST_NAME = 80  # of a page's file
 TITLE = "What collision accuracy costs in a muscle simulation"
 WORDS = {
     VERIFIED: "The same answers, to the last bit, and the same errors at contacts were computed here. Times, moment arms, pressures and torques are always "
               "claimed.",
     CLAIMED: "Nobody computed the answers here.",
-    OTHER: "This version gives other answers to the same questions. That one may have given its own.",
+    OTHER: "This version gives other answers or errors. That one may have given its own, which nobody can see here: the row can't win.",
     UNHASHED: "The results are of before answers had a hash.",
     REFUTED: "The same version gave other answers or errors here, or the row goes by another setting's name. It can't win.",
-    "closed": "A scene that everyone can have, the newest questions, a bound that the backend declares and that its answers held.",
+    "closed": f"A scene that everyone can have, all frames of it, the questions that it asks now, and a declared bound of at most {LARGEST_BOUND_MM:g} mm that "
+              f"was held at {FEWEST_CONTACTS} contacts or more.",
     "open": "All other rows.",
     "surface offset": "How far the backend's surface is from the true one at contacts: 99 of 100 have a smaller one.",
     "moment arm, peak pressure, joint torque": "Root mean square over the motion of the difference from the run with exact collision. No figure is better than "
                                                "what rounding does by itself. Times are of the run in which the backend drives the muscle.",
     "pays after frames": "Then the setting has made up for its build: it is ahead of all that hold the error and are ready sooner.",
-    "other query set": "The row is grey: it answers other questions than the scene asks now.",
+    "other query set": "The row is grey: it answers other questions than the scene asks now. It can't win.",
+    "every 4th frame": "A slow library is asked about some of the frames only. Its errors are those of these frames.",
     "*": "The machine was busy with something else while it was measured.",
 }
 
@@ -79,7 +84,7 @@ COLUMNS = [
     PageColumn("time", "ms a frame", True), PageColumn("offset", "surface offset (mm)", True), PageColumn("arm", "moment arm off (mm)", True),
     PageColumn("pressure", "peak pressure off (%)", True), PageColumn("build", "build (s)", True), PageColumn("memory", "MB", True),
     PageColumn("standing", "answers"), PageColumn("bound", "declared bound"), PageColumn("division", "division"),
-    PageColumn("machine_name", "machine", link="machine_page"),
+    PageColumn("machine_name", "bundle", link="machine_page"),
     PageColumn("measured", "measured"), PageColumn("why_not", "why it can't win"),
 ]
 
@@ -87,8 +92,9 @@ COLUMNS = [
 def write_site(bundles: Sequence[Bundle], hard: Sequence[HardCase], out: Path, recomputed: Sequence[pd.DataFrame] = (), commit: str = "") -> pd.DataFrame:
     """The rows of the board. `recomputed`, `commit`: see standing. Into a new folder, or in place of an older board, which goes when
     the new one is whole. Raises Problem where `out` is something else, or where the scripts can't be made."""
-    if out.is_symlink() or (out.exists() and not (out / MARK).is_file()):
-        raise Problem(f"--out {out}: is there already and is no board; name a new folder")
+    out = out.resolve()
+    if out.exists() and (strange := _strange_files(out)):
+        raise Problem(f"--out {out}: is there already and is no board ({strange} is none of its files); name a new folder")
     rows = board_rows(bundles, recomputed, commit)
     script = page_script(entry=BOARD)
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -97,7 +103,8 @@ def write_site(bundles: Sequence[Bundle], hard: Sequence[HardCase], out: Path, r
         _write(folder, rows, bundles, hard, script)
         size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
         if size > LARGEST_BYTES:
-            raise Problem(f"the board would have {size / 1e6:.1f} MB, more than {LARGEST_BYTES / 1e6:g}; give it fewer bundles")
+            largest = max(bundles, key=lambda bundle: len(json.dumps(bundle.shapes or {})) + len(bundle.rows))
+            raise Problem(f"the board would have {size / 1e6:.1f} MB, more than {LARGEST_BYTES / 1e6:g}; leave out bundles, such as {largest.source}")
         folder.chmod(0o755)
         old = folder.with_name(f"{folder.name}.old")
         if out.exists():
@@ -117,14 +124,27 @@ def _write(folder: Path, rows: pd.DataFrame, bundles: Sequence[Bundle], hard: Se
     template = engine.get_template("board.html.j2")
     made = datetime.now(timezone.utc).strftime("%Y-%m-%d")
     told = {"made": made, "sources": [bundle.header["title"] for bundle in bundles], "looks": looks_of(bundles)}
-    csv = rows.drop(columns=["bundle", "title", "refutation"]).astype({flag: int for flag in (*FLAGS, "is_old")}).to_csv(index=False, quoting=QUOTE_NONNUMERIC)
+    csv = rows.drop(columns=["title", "refutation"]).astype({flag: int for flag in (*FLAGS, "is_old")}).to_csv(index=False, quoting=QUOTE_NONNUMERIC)
     for page in _pages(rows, bundles, hard, csv):
         path = folder / page.path
         path.parent.mkdir(exist_ok=True)
         path.write_text(template.render(told | vars(page), root=page.root), encoding="utf-8")
     (folder / "style.css").write_text((SOURCES / "style.css").read_text(encoding="utf-8"), encoding="utf-8")
     (folder / "board.js").write_text(script, encoding="utf-8")
-    (folder / MARK).write_text(csv, encoding="utf-8")
+    (folder / ROWS).write_text(csv, encoding="utf-8")
+    files = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
+    (folder / MARK).write_text(json.dumps({"musclebench_board": 1, "files": [*files, MARK]}, indent=1) + "\n", encoding="utf-8")
+
+
+def _strange_files(folder: Path) -> str:
+    """The first that no board has written; empty where all of the folder is a board's."""
+    try:
+        told = json.loads((folder / MARK).read_text(encoding="utf-8"))
+        own = set(told["files"]) if told["musclebench_board"] == 1 else set()
+    except (OSError, ValueError, TypeError, KeyError):
+        own = set()
+    found = [str(path.relative_to(folder)) for path in sorted(folder.rglob("*")) if not path.is_dir()] if folder.is_dir() else [folder.name]
+    return next((name for name in found if name not in own), "" if own else "an empty folder")
 
 
 def _pages(rows: pd.DataFrame, bundles: Sequence[Bundle], hard: Sequence[HardCase], csv: str) -> list[Page]:
@@ -156,7 +176,7 @@ def _paths(folder: str, names: Iterable[str]) -> dict[str, str]:
     found: dict[str, str] = {}
     taken: set[str] = set()  # some hosts do not tell large letters from small ones
     for name in dict.fromkeys(names):
-        stem = re.sub(r"[^\w.-]+", "-", name).strip(".-") or "unnamed"
+        stem = re.sub(r"[^A-Za-z0-9_.-]+", "-", name)[:LONGEST_NAME].strip(".-") or "unnamed"
         tries = (f"{stem}{f'.{number}' if number > 1 else ''}" for number in itertools.count(1))
         chosen = next(one for one in tries if one.lower() not in taken)
         taken.add(chosen.lower())
@@ -167,12 +187,15 @@ def _paths(folder: str, names: Iterable[str]) -> dict[str, str]:
 def _cells(rows: pd.DataFrame, looks: Told, paths: dict[str, dict[str, str]]) -> list[Told]:
     """As people read them."""
     return [{
-        "name": row["backend"], "setting": row["spoken"] or row["configuration"], "backend": looks[row["backend"]]["label"],
+        "name": row["backend"], "backend": looks[row["backend"]]["label"],
+        "setting": (row["spoken"] or row["configuration"]) + (f", every {row['stride']:.0f}th frame" if row["stride"] > 1 else ""),
         "backend_page": quote(paths["backends"][row["backend"]]), "scene": row["scene"], "scene_page": quote(paths["scenes"][row["scene"]]),
-        "time": _figure(row["time_ms"]) + (" *" if row["is_disturbed"] else ""), "offset": _figure(row["offset_mm"], 1e-6), "arm": _figure(row["arm_mm"]),
-        "pressure": _figure(row["pressure_percent"]), "build": _figure(row["build_s"]), "memory": _figure(row["structure_bytes"], 0, 1e-6),
+        "time": _figure(row["time_ms"]) + (" *" if row["is_disturbed"] else ""), "offset": _figure(row["offset_mm"], ROUNDING_MM),
+        "arm": _figure(_floored(row, "arm_mm", "arm_floor_mm")),
+        "pressure": _figure(_floored(row, "pressure_percent", "pressure_floor_percent")), "build": _figure(row["build_s"]),
+        "memory": _figure(row["structure_bytes"], 0, 1e-6),
         "standing": row["standing"], "bound": row["bound"], "division": row["division"], "machine": row["machine"],
-        "machine_name": f"{row['machine'].split(',')[0]}, {row['title']}", "machine_page": paths["machines"][row["machine"]],
+        "machine_name": row["title"], "machine_page": paths["machines"][row["machine"]],
         "measured": f"{row['measured']}, {row['commit'][:7]}{', other query set' if row['is_old'] else ''}", "is_old": row["is_old"], "why_not": row["why_not"],
     } for row in rows.to_dict("records")]
 
@@ -202,8 +225,8 @@ def _scene_page(name: str, path: str, cells: list[Told], bundles: Sequence[Bundl
 
 def _machine_page(name: str, path: str, cells: list[Told], bundles: Sequence[Bundle]) -> Page:
     lines = []
-    for bundle in bundles:
-        if bundle.machine == name:
+    for bundle, machine in zip(bundles, machines_of(bundles)):
+        if machine == name:
             about = bundle.header
             state = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in about["state"].items() if value is not None)
             lines.append({"title": about["title"], "measured": about["measured"], "commit": about["commit"], "command": about["command"], "state": state})
@@ -233,6 +256,11 @@ def _table(title: str, rows: list[Told], without: set[str] | None = None) -> Par
     """Columns that say nothing here are left out."""
     columns = [column for column in COLUMNS if column.name not in (without or set()) and any(row[column.name] not in ("", "-") for row in rows)]
     return Part(title, rows=rows, columns=columns)
+
+
+def _floored(row: Told, error: str, floor: str) -> float:
+    """Nothing is better than what rounding does by itself."""
+    return math.nan if pd.isna(row[error]) or pd.isna(row[floor]) else max(float(row[error]), float(row[floor]))
 
 
 def _figure(value: float, exact: float = 0.0, factor: float = 1.0) -> str:

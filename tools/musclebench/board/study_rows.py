@@ -11,7 +11,8 @@ from ..tables.difficulties import TITLES
 from .columns import FLAGS, NAMES, TEXTS
 
 SAME = ("scene", "backend", "configuration", "spoken", "parameters", "threads", "series", "fineness", "status", "detail", "verdict", "stride", "frames",
-        "build_s", "structure_bytes", "is_disturbed", "queries_hash", "contact_hash")
+        "build_s", "structure_bytes", "is_disturbed", "sites", "true_contacts", "queries_hash",
+        "contact_hash")
 RENAMED = {"ok_repetitions": "repetitions", "collision_ms": "time_ms", "collision_ms_low": "time_ms_low", "collision_ms_high": "time_ms_high"}
 MILLIMETRES = {"p99_offset_m": "offset_mm", "max_missed_depth_m": "missed_mm",
                "max_false_distance_m": "false_mm", "declared_missed_m": "declared_missed_mm", "declared_false_m": "declared_false_mm"}
@@ -19,6 +20,7 @@ OWN = {"collision_ms": "own_ms", "collision_ms_low": "own_ms_low", "collision_ms
 ARMS = {"arm_rms_mm": "arm_mm", "arm_floor_mm": "arm_floor_mm"}
 FORCES = ("pressure_percent", "pressure_floor_percent", "torque_percent", "torque_floor_percent")
 KEY = ["scene", "configuration"]
+NEEDED = ("mode", "scene", "muscle", "backend", "configuration", "parameters", "threads", "status", *RENAMED, "p99_offset_m")
 MODE_OF_ANSWERS = "replay"  # all backends at the same positions
 
 
@@ -27,6 +29,8 @@ def study_rows(folder: Path) -> pd.DataFrame:
     study = _table(folder, "study")
     if study is None:
         raise Problem(f"{folder}: has no study.csv; name the --out of tools/accuracy, or a study in reports/measured")
+    if missing := [name for name in NEEDED if name not in study]:
+        raise Problem(f"{folder}: its study.csv lacks the column {missing[0]}; let tools/accuracy --report-only write it again")
     replays = study[study["mode"] == MODE_OF_ANSWERS]
     if replays.empty:
         raise Problem(f"{folder / 'study.csv'}: has no row of mode {MODE_OF_ANSWERS}; let tools/accuracy end")

@@ -21,7 +21,7 @@ import shutil
 from pathlib import Path
 
 from ..page.bundle import BOARD, BUILT, SOURCES, script_file
-from ..program.cli import OneLineParser, Problem, check_data, check_positive
+from ..program.cli import OneLineParser, Problem, check_data, check_positive, check_program
 from .shared import BuiltProgram, Needs, Tool, built_program
 
 DEFAULT_OUT = Path("reports/out/board")
@@ -31,10 +31,12 @@ def parse_arguments(arguments: list[str] | None) -> argparse.Namespace:
     parser = OneLineParser(prog="tools/board", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("bundles", nargs="+", type=Path, metavar="BUNDLE", help="zip of tools/bundle, or folder of results")
     parser.add_argument("--recomputed", action="append", default=[], type=Path, metavar="RESULTS",
-                        help="bundle, or results of tools/accuracy, with answers that were computed here; may be repeated")
+                        help="results of tools/accuracy with answers that were computed here; may be repeated")
     parser.add_argument("--recompute", action="store_true", help="compute the answers of all bundles here")
     parser.add_argument("--longest", type=float, default=120.0, metavar="SECONDS",
                         help="time limit of one setting; what takes longer stays claimed (default: 120 s)")
+    parser.add_argument("--within", type=float, default=60.0, metavar="MINUTES",
+                        help="time limit of all recomputing; what is left stays claimed (default: 60 min)")
     parser.add_argument("--data", type=Path, metavar="DIR", help="LHDL data folder, to recompute lhdl/* scenes")
     parser.add_argument("--musclebench", type=Path, default=built_program("release"), metavar="PROGRAM",
                         help="program that recomputes (default: the build of preset release)")
@@ -48,6 +50,12 @@ def check(options: argparse.Namespace) -> None:
             raise Problem(f"{path}: no such bundle or folder of results")
     check_data(options.data)
     check_positive("--longest", options.longest)
+    check_positive("--within", options.within)
+    for path in options.recomputed:
+        if not (path / "raw").is_dir():
+            raise Problem(f"--recomputed {path}: holds no runs; only results of tools/accuracy that were made here verify a row")
+    if options.recompute and not isinstance(options.musclebench, BuiltProgram):
+        check_program(options.musclebench, "tools/build")
 
 
 def needs(options: argparse.Namespace) -> Needs:
