@@ -11,6 +11,7 @@ import fake_registry
 from musclebench.board import site
 from musclebench.board.bundle import Bundle, write_bundle
 from musclebench.board.hard_cases import hard_cases
+from musclebench.board.looks import looks_of
 from musclebench.board.made import bundle_of
 from musclebench.board.recompute import Limits, recompute
 from musclebench.board.standing import board_rows, machines_of
@@ -176,6 +177,14 @@ def test_what_a_stranger_writes_stays_text(published, tmp_path, no_script):
         text = path.read_text()
         assert "<script>alert" not in text and "<img" not in text and "<b>mine" not in text and "red;}" not in text, path
         assert 'href="javascript' not in text
+
+
+def test_a_strange_backend_has_a_colour_of_its_own(published):
+    header = copy.deepcopy(published.header)
+    for name, colour in (("mine", "#56B4E9"), ("yours", "#56B4E9"), ("theirs", "red")):
+        header["backends"][name] = {"implementation": "x 1, MIT", "source": "x 1", "licence": "MIT", "colour": colour}
+    looks = looks_of([replace(published, header=header)])
+    assert len({look["colour"] for look in looks.values()}) == len(looks) and all(re.fullmatch("#[0-9A-F]{6}", look["colour"].upper()) for look in looks.values())
 
 
 def test_names_that_look_alike_have_pages_of_their_own():

@@ -5,10 +5,10 @@ import tomllib
 from collections.abc import Sequence
 from pathlib import Path
 
-from ..page.looks_of import COLOURS
 from .bundle import Bundle, Told
 
 BACKENDS = Path(__file__).resolve().parents[3] / "backends"
+SPARE = ("#8C510A", "#E7298A", "#666666", "#B3DE69", "#BC80BD", "#FB8072")
 COLOUR = re.compile(r"#[0-9A-Fa-f]{6}")
 
 
@@ -19,12 +19,15 @@ def looks_of(bundles: Sequence[Bundle]) -> dict[str, Told]:
     for bundle in reversed(bundles):  # what stands first speaks
         told |= bundle.header["backends"]
     names = sorted(told, key=lambda name: (name not in own, own.get(name, {}).get("external", False), name))
-    strange = [name for name in names if name not in own]
-    return {name: {"label": str(own.get(name, {}).get("title") or told[name].get("title") or name.replace("_", " "))[:60],
-                   "colour": _colour(own.get(name, told[name]), COLOURS[strange.index(name) % len(COLOURS)] if name in strange else "#888888")}
-            for name in names}
+    found: dict[str, Told] = {}
+    for name in names:
+        title = own.get(name, {}).get("title") or told[name].get("title") or name.replace("_", " ")
+        found[name] = {"label": str(title)[:60], "colour": _colour(own.get(name, told[name]), {look["colour"] for look in found.values()})}
+    return found
 
 
-def _colour(about: Told, spare: str) -> str:
-    colour = about.get("colour")
-    return colour if isinstance(colour, str) and COLOUR.fullmatch(colour) else spare
+def _colour(about: Told, taken: set[str]) -> str:
+    """One that no other has, as long as there are."""
+    wanted = about.get("colour")
+    colours = [wanted] if isinstance(wanted, str) and COLOUR.fullmatch(wanted) else []
+    return next((colour for colour in [*colours, *SPARE] if colour not in taken), SPARE[0])
