@@ -184,7 +184,8 @@ def test_a_strange_backend_has_a_colour_of_its_own(published):
     for name, colour in (("mine", "#56B4E9"), ("yours", "#56B4E9"), ("theirs", "red")):
         header["backends"][name] = {"implementation": "x 1, MIT", "source": "x 1", "licence": "MIT", "colour": colour}
     looks = looks_of([replace(published, header=header)])
-    assert len({look["colour"] for look in looks.values()}) == len(looks) and all(re.fullmatch("#[0-9A-F]{6}", look["colour"].upper()) for look in looks.values())
+    colours = {look["colour"].upper() for look in looks.values()}
+    assert len(colours) == len(looks) and all(re.fullmatch("#[0-9A-F]{6}", colour) for colour in colours)
 
 
 def test_names_that_look_alike_have_pages_of_their_own():
