@@ -119,6 +119,8 @@ def test_moment_arms_are_of_runs_of_their_own():
     words = next(case for case in arms if case.name == "iliacus-arms-bvh-r0").arguments(FOLDERS)
     assert words[words.index("--preset") + 1] == "standard" and words[words.index("--fibres-if-possible") + 1] == "100"
     assert "--no-referee" in words and "--snapshots" not in words
+    pressed = next(case for case in of_group(plan(), "forces") if case.name == "iliacus-forces-bvh-r0").arguments(FOLDERS)
+    assert "--no-referee" in pressed and "--snapshots" in pressed  # a picture of pressure needs shapes
     floor, = of_group(plan(), "arms_floor")
     assert floor.name == "iliacus-arms_floor-bvh-r0" and "start_noise_m=1e-12" in floor.arguments(FOLDERS)
 

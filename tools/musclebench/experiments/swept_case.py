@@ -128,7 +128,9 @@ class SweptCase(SceneCase):
         moments = {"rest": {0}, "half": {self.scene.half_flexion_frame}, "full": {self.scene.full_flexion_frame},
                    "middle": {frames // 2}, "end": {frames}, "after_rest": {frames + self.rest_frames},
                    "motion": {round(shown * frames / SHOWN_OF_A_MOTION) for shown in range(SHOWN_OF_A_MOTION)}}
-        return sorted(set().union(*(moments[moment] for moment in self.group.snapshots))) if self.is_judged else []
+        # Once a case. A group that nobody judges keeps the shapes of its first repetition, too.
+        keeps = self.is_judged or (self.group.judged == "never" and self.repetition == 0)
+        return sorted(set().union(*(moments[moment] for moment in self.group.snapshots))) if keeps else []
 
     @property
     def guessed_seconds(self) -> float:
