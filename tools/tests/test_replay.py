@@ -109,6 +109,14 @@ def test_every_backend_is_asked_the_same(recording, tmp_path, backend):
         assert offset["max_offset_m"] == 0
 
 
+def test_other_positions_are_other_questions(scene, recording, tmp_path):
+    """Under the same bones' poses: what drives the muscle moves it elsewhere."""
+    done = record(scene, tmp_path / "free.recording", "--backend", "null")
+    assert done.returncode == 0, done.stderr
+    told = [replay(file, tmp_path / file.stem)[0]["queries_hash"] for file in (recording, tmp_path / "free.recording")]
+    assert told[0] != told[1]
+
+
 def test_threads_change_no_contact(recording, tmp_path):
     hashes = {replay(recording, tmp_path / threads, "--threads", threads)[0]["contact_hash"] for threads in "12"}
     assert len(hashes) == 1
