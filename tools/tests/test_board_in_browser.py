@@ -1,25 +1,19 @@
 """The board in a headless browser: what the slider, the keyboard and the address do."""
 
-import json
-import shutil
-import subprocess
 from pathlib import Path
 
 import pytest
 
 import fake_page
+from in_browser import told_by
 from musclebench.board.bundle import Bundle
 from musclebench.board.made import bundle_of
 from musclebench.board.site import write_site
-from musclebench.page import bundle
 from musclebench.page.sections import sections_of
 from musclebench.page.views import Views
-from musclebench.program.cli import Problem
+from published_bundle import PUBLISHED
 
 pytestmark = pytest.mark.long
-PROJECT = Path(__file__).resolve().parents[2]
-SCRIPT = Path(__file__).resolve().parent / "board_in_browser.mjs"
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
 SCENE = "synthetic/iliacus"
 
 
@@ -31,18 +25,13 @@ def with_shapes(published: Bundle, folder: Path) -> Bundle:
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory) -> dict:
-    if not BROWSER:
-        pytest.skip("chromium is missing (tools/setup chromium): the board is not opened")
     folder = tmp_path_factory.mktemp("board")
-    try:
-        libraries = bundle.installed(with_tests=True)
-        write_site([with_shapes(bundle_of(PROJECT / "reports" / "measured" / "accuracy-synthetic"), folder / "paper")], [], folder / "board")
-    except Problem as problem:
-        pytest.skip(f"the board is not opened: {problem}")
-    words = ["node", str(SCRIPT), str(libraries), BROWSER, str(folder / "board"), str(folder), "scenes/synthetic-iliacus.html"]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=900, check=False)
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout.splitlines()[-1])
+
+    def make() -> list[Path | str]:
+        write_site([with_shapes(bundle_of(PUBLISHED), folder / "paper")], [], folder / "board")
+        return [folder / "board", folder, "scenes/synthetic-iliacus.html"]
+
+    return told_by("board_in_browser.mjs", make)
 
 
 def test_it_opens_without_a_complaint_and_asks_no_network(found):

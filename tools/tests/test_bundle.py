@@ -186,7 +186,7 @@ def test_shapes_hold_no_markup_and_no_bomb(published, tmp_path, monkeypatch):
 def test_an_own_scene_goes_by_its_name(tmp_path):
     shutil.copytree(PUBLISHED, tmp_path / "mine")
     study = (tmp_path / "mine" / "study.csv").read_text()
-    (tmp_path / "mine" / "study.csv").write_text(study.replace("synthetic/iliacus", "/home/me/my hip.toml"))
+    (tmp_path / "mine" / "study.csv").write_text(study.replace("synthetic/iliacus", "/somewhere/my hip.toml"))
     bundle = bundle_of(tmp_path / "mine")
     assert set(bundle.rows["scene"]) == {"my hip"} and bundle.header["scenes"] == {"my hip": {"licence": "not told"}}
     (tmp_path / "mine" / "study.csv").write_text(study.replace("synthetic/iliacus", "h\u00fcft.toml"))

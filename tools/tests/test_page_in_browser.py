@@ -1,42 +1,25 @@
 """The page of results in a headless browser: it opens without a complaint, and what the mouse and the keyboard do."""
 
-import json
 import re
-import shutil
-import subprocess
-from pathlib import Path
 
 import pandas as pd
 import pytest
 
 import fake_page
 import fake_registry
-from musclebench.page import bundle
+from in_browser import told_by
 from musclebench.page.page_file import write_page
-from musclebench.program.cli import Problem
 
 pytestmark = pytest.mark.long
-SCRIPT = Path(__file__).resolve().parent / "page_in_browser.mjs"
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser")
 ROLES = fake_registry.roles()
 TITLES = {backend.name: backend.title for backend in fake_registry.registry().backends}
 
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory) -> dict:
-    if not BROWSER:
-        pytest.skip("chromium is missing (tools/setup chromium): the page is not opened")
     folder = tmp_path_factory.mktemp("browser")
-    try:
-        libraries = bundle.installed(with_tests=True)
-        page = write_page([fake_page.write_paper(folder / "paper"), fake_page.write_accuracy(folder / "accuracy"),
-                           fake_page.write_history(folder / "history.sqlite")])
-    except Problem as problem:
-        pytest.skip(f"the page is not opened: {problem}")
-    words = ["node", str(SCRIPT), str(libraries), BROWSER, str(page), str(folder)]
-    done = subprocess.run(words, capture_output=True, text=True, timeout=900, check=False)
-    assert done.returncode == 0, done.stderr
-    return json.loads(done.stdout.splitlines()[-1])
+    return told_by("page_in_browser.mjs", lambda: [write_page([
+        fake_page.write_paper(folder / "paper"), fake_page.write_accuracy(folder / "accuracy"), fake_page.write_history(folder / "history.sqlite")]), folder])
 
 
 def test_it_opens_without_a_complaint_and_asks_no_network(found):

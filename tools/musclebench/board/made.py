@@ -45,7 +45,7 @@ def bundle_of(folder: Path, told: Mapping[str, str] | None = None, sources: Mapp
         source, run = source_of(folder, _command(plan)), _a_run(folder)
     if unknown := sorted((set(told) | set(sources)) - set(rows["backend"]) - set(rows["scene"])):
         raise Problem(f"{unknown[0]}: no backend and no scene of {folder} is called so")
-    rows["scene"] = [Path(scene).stem if scene.endswith(".toml") else scene for scene in rows["scene"]]  # of an own one, not its path
+    rows["scene"] = rows["scene"].map(_scene_name)
     if strange := [name for name in (folder.name, *rows["scene"], *rows["backend"], *rows["configuration"]) if not NAME.fullmatch(name)]:
         raise Problem(f"{folder}: {strange[0]!r} is no name that a bundle can hold; use letters, digits and _ . - and run the study again")
     titles = _titles(folder)
@@ -63,13 +63,19 @@ def bundle_of(folder: Path, told: Mapping[str, str] | None = None, sources: Mapp
     return Bundle(header, rows, _shapes(folder, scenes) if with_shapes and not is_published else None, str(folder))
 
 
+def _scene_name(scene: str) -> str:
+    """Of an own one, not its path."""
+    return Path(scene).stem if scene.endswith(".toml") else scene
+
+
 def _shapes(folder: Path, scenes: Iterable[str]) -> Told | None:
     """{scene: runs in space}: of each backend as it is by default, the run that told forces where it kept its shapes."""
     found = {}
     cases = [case for case in read_cases(folder) if case.is_ok and case.configuration.is_default and case.run.record.get("snapshots")]
     for scene in scenes:
         for mode in ("forces", "coupled"):
-            runs = {(case.run.muscle, case.run.backend): case.run for case in cases if case.mode == mode and case.run.scene == scene}
+            runs = {(case.run.muscle, case.run.backend): case.run for case in cases 
+                    if case.mode == mode and _scene_name(case.run.scene) == scene}
             if runs:
                 found[scene] = views_of(runs, scene).data
                 break
@@ -117,7 +123,6 @@ def _a_run(folder: Path) -> Told:
 
 def _clean(rows: pd.DataFrame) -> pd.DataFrame:
     """Sentences of runs on one line, and no longer than a bundle's texts."""
-    texts = TEXTS
     counts = [column.name for column in COLUMNS if column.kind == "count"]
-    rows = rows.assign(**{name: rows[name].fillna("").astype(str).map(lambda text: " ".join(text.split())[:MOST_CHARACTERS]) for name in texts})
+    rows = rows.assign(**{name: rows[name].fillna("").astype(str).map(lambda text: " ".join(text.split())[:MOST_CHARACTERS]) for name in TEXTS})
     return rows.assign(**{name: rows[name].astype("Int64") for name in counts})

@@ -13,11 +13,11 @@ from datetime import datetime, timezone
 from pathlib import Path
 from urllib.parse import quote
 
-import jinja2
 import pandas as pd
 
+from ..accuracy.front import EXACT_MM
 from ..page.bundle import BOARD, SOURCES, page_script
-from ..page.packed import packed_bytes
+from ..page.html import template_engine
 from ..program.cli import Problem
 from ..tables.difficulties import TITLES
 from .bundle import Bundle, Told
@@ -26,7 +26,7 @@ from .hard_cases import HardCase
 from .looks import looks_of
 from .made import OURS
 from .page_column import PageColumn
-from .standing import CLAIMED, FEWEST_CONTACTS, LARGEST_BOUND_MM, OTHER, REFUTED, ROUNDING_MM, UNHASHED, VERIFIED, board_rows, machines_of
+from .standing import CLAIMED, FEWEST_CONTACTS, LARGEST_BOUND_MM, OTHER, REFUTED, UNHASHED, VERIFIED, board_rows, machines_of
 
 MARK, ROWS = "board.json", "board.csv"  # the first tells which files are the board's
 LARGEST_BYTES = 20_000_000
@@ -117,11 +117,7 @@ def write_site(bundles: Sequence[Bundle], hard: Sequence[HardCase], out: Path, r
 
 
 def _write(folder: Path, rows: pd.DataFrame, bundles: Sequence[Bundle], hard: Sequence[HardCase], script: str) -> None:
-    engine = jinja2.Environment(loader=jinja2.FileSystemLoader(SOURCES), autoescape=True, trim_blocks=True, lstrip_blocks=True,
-                                undefined=jinja2.StrictUndefined)
-    engine.filters["packed"] = lambda text: packed_bytes(text.encode())
-    engine.policies["json.dumps_kwargs"] = {"sort_keys": False}
-    template = engine.get_template("board.html.j2")
+    template = template_engine().get_template("board.html.j2")
     made = datetime.now(timezone.utc).strftime("%Y-%m-%d")
     told = {"made": made, "sources": [bundle.header["title"] for bundle in bundles], "looks": looks_of(bundles)}
     csv = rows.drop(columns=["title", "refutation"]).astype({flag: int for flag in (*FLAGS, "is_old")}).to_csv(index=False, quoting=QUOTE_NONNUMERIC)
@@ -190,7 +186,7 @@ def _cells(rows: pd.DataFrame, looks: Told, paths: dict[str, dict[str, str]]) ->
         "name": row["backend"], "backend": looks[row["backend"]]["label"],
         "setting": (row["spoken"] or row["configuration"]) + (f", every {row['stride']:.0f}th frame" if row["stride"] > 1 else ""),
         "backend_page": quote(paths["backends"][row["backend"]]), "scene": row["scene"], "scene_page": quote(paths["scenes"][row["scene"]]),
-        "time": _figure(row["time_ms"]) + (" *" if row["is_disturbed"] else ""), "offset": _figure(row["offset_mm"], ROUNDING_MM),
+        "time": _figure(row["time_ms"]) + (" *" if row["is_disturbed"] else ""), "offset": _figure(row["offset_mm"], EXACT_MM),
         "arm": _figure(_floored(row, "arm_mm", "arm_floor_mm")),
         "pressure": _figure(_floored(row, "pressure_percent", "pressure_floor_percent")), "build": _figure(row["build_s"]),
         "memory": _figure(row["structure_bytes"], 0, 1e-6),

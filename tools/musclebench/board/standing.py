@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from ..accuracy.front import EXACT_MM
 from ..results.status import MEASURED
 from .bundle import Bundle, Told
 from .columns import JUDGED, NUMBERS
@@ -14,7 +15,6 @@ from .project_scenes import is_of_project
 KEY = ["scene", "backend", "parameters", "threads", "stride"]  # names are words; these decide the answers
 FEWEST_CONTACTS = 100
 LARGEST_BOUND_MM = 5.0  # of the closed division
-ROUNDING_MM = 1e-6  # a nanometre
 SAME = 1e-9  # figures that were computed alike, relative
 VERIFIED, CLAIMED, REFUTED, UNHASHED, OTHER = "verified", "claimed", "refuted", "claimed, no hash", "claimed, other version"
 
@@ -74,7 +74,7 @@ def _standing(row: Told, here: Told | None, commit: str) -> tuple[str, str]:
 
 def _differ(claimed: float, found: float) -> bool:
     """What is not told helps nobody: no error is no place in the ranking."""
-    return not pd.isna(claimed) and not math.isclose(claimed, found, rel_tol=SAME, abs_tol=ROUNDING_MM)
+    return not pd.isna(claimed) and not math.isclose(claimed, found, rel_tol=SAME, abs_tol=EXACT_MM)
 
 
 def _words(value: float) -> str:
@@ -84,7 +84,7 @@ def _words(value: float) -> str:
 def _bound(row: Told) -> str:
     """Whether it kept its own word. One that gives none may err by anything; where nothing touched there was nothing to keep."""
     seen = [(row[f"{what}_mm"], row[f"declared_{what}_mm"]) for what in ("missed", "false")]
-    if any(value > declared + ROUNDING_MM for value, declared in seen):  # never of what is unknown
+    if any(value > declared + EXACT_MM for value, declared in seen):  # never of what is unknown
         return "broken"
     if any(pd.isna(value) for value, _ in seen) or not row["true_contacts"] >= FEWEST_CONTACTS:
         return "not judged"

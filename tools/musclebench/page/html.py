@@ -28,11 +28,18 @@ def plain_html(sections: list[Section], folders: list[Path], why: str, pictures:
     return _filled(sections, folders, why_plain=why, pictures=pictures)
 
 
-def _filled(sections: list[Section], folders: list[Path], script: str = "", why_plain: str = "", pictures: dict | None = None) -> str:
+def template_engine() -> jinja2.Environment:
+    """Of the templates in tools/page: what is not told is a mistake, and all text is escaped."""
     engine = jinja2.Environment(loader=jinja2.FileSystemLoader(SOURCES), autoescape=True, trim_blocks=True, lstrip_blocks=True,
                                 undefined=jinja2.StrictUndefined)
-    engine.filters |= {"packed": lambda text: packed_bytes(text.encode()), "linked": linked_rows, "named": muscle_label}
+    engine.filters["packed"] = lambda text: packed_bytes(text.encode())
     engine.policies["json.dumps_kwargs"] = {"sort_keys": False}  # their order is that in which the page tells them
+    return engine
+
+
+def _filled(sections: list[Section], folders: list[Path], script: str = "", why_plain: str = "", pictures: dict | None = None) -> str:
+    engine = template_engine()
+    engine.filters |= {"linked": linked_rows, "named": muscle_label}
     known = helps()
     engine.filters |= {"slug": slug, "titled": looks.title, "explained": lambda word: explained(str(word), known),
                        "explained_in": lambda text: explained_in(text, known)}
