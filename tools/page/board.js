@@ -23,7 +23,7 @@ class Board {
   constructor(section, rows, choice) {
     Object.assign(this, { section, rows, choice });
     const part = (name) => section.querySelector(`.${name}`);
-    this.parts = Object.fromEntries(["scene", "machine", "error", "contacts", "division", "at", "at-number", "at-unit", "ranking", "unable", "told"].map((name) => [name, part(`board-${name}`)]));
+    this.parts = Object.fromEntries(["scene", "machine", "error", "contacts", "division", "at", "at-number", "at-unit", "ranking", "unable", "told", "where"].map((name) => [name, part(`board-${name}`)]));
     this.fixed = { ...DEFAULTS, scene: this.parts.scene.value, machine: this.parts.machine.value };
     this.state = this.fixed;
     for (const name of ["scene", "machine", "error", "contacts", "division"]) this.parts[name].addEventListener("change", () => this.choose({ [name]: this.parts[name].value }));
@@ -101,6 +101,7 @@ class Board {
       ? `${this.choice.name(ranked[0].backend)} is the cheapest that holds ${error}: ${nameOf(ranked[0])}, ${figure(ranked[0].time_ms)} ms a frame.` +
         (ranked[1]?.is_tied ? ` The interval of ${this.choice.name(ranked[1].backend)} overlaps.` : "")
       : `Nothing here holds ${error}.`;
+    this.parts.where.textContent = `${this.state.scene}, ${this.state.machine}`; // on paper there is no form
     this.parts.ranking.innerHTML = ranked.map((row) => this.lineOf(row, about)).join("");
     const cannot = shown.filter((row) => !canWin(row) && !unable.some((one) => one.backend === row.backend));
     this.parts.unable.innerHTML = [

@@ -66,6 +66,7 @@ await ready(phone);
 found.phone = await phone.evaluate(() => ({ wide: document.documentElement.scrollWidth, shown: innerWidth, page: getComputedStyle(document.body).backgroundColor }));
 await phone.screenshot({ path: `${folder}/board_phone.png`, fullPage: true });
 await page.emulateMedia({ media: "print" });
+found.printed = await page.locator(".board-where").innerText();
 await page.pdf({ path: `${folder}/board.pdf` });
 
 // Everything that can be used has a name.

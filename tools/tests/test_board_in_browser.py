@@ -77,6 +77,10 @@ def test_it_fits_a_telephone_and_is_dark_there(found):
     assert found["phone"]["wide"] <= found["phone"]["shown"] and found["phone"]["page"] != "rgb(255, 255, 255)"
 
 
+def test_paper_tells_the_scene(found):
+    assert found["printed"].startswith("synthetic/iliacus, accuracy-synthetic")
+
+
 def test_everything_that_can_be_used_has_a_name(found):
     assert found["nameless"] == []
 

@@ -74,7 +74,7 @@ def _shapes(folder: Path, scenes: Iterable[str]) -> Told | None:
     cases = [case for case in read_cases(folder) if case.is_ok and case.configuration.is_default and case.run.record.get("snapshots")]
     for scene in scenes:
         for mode in ("forces", "coupled"):
-            runs = {(case.run.muscle, case.run.backend): case.run for case in cases 
+            runs = {(case.run.muscle, case.run.backend): case.run for case in cases
                     if case.mode == mode and _scene_name(case.run.scene) == scene}
             if runs:
                 found[scene] = views_of(runs, scene).data
