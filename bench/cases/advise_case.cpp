@@ -106,10 +106,7 @@ std::optional<Assessment> assess(const Scene& scene, const Configuration& config
                                  const std::function<void(int done, int total)>& report) {
   const BackendEntry& backend = find_backend(configuration.backend);
   const Parameters parameters(backend.parameters, configuration.parameters, configuration.text());
-  const ColliderBackends colliders = choose_collider_backends({}, scene, backend);
-  const std::vector<ResponseKind> responses = choose_responses("", scene, backend, parameters, colliders);
-  require_what_effects_need(scene, backend, parameters, responses, colliders);
-  ReplayCase replay{{scene, backend, parameters, options.threads, 0, responses, colliders}};
+  ReplayCase replay{resolve_case(scene, backend, parameters, {.threads = options.threads})};
   replay.band_m = options.band_m;
   const int total = replayed_frames(replay, frames.header());
   const ReplayResult result = replay_case(replay, frames, [&](int done) { report(done, total); });
@@ -163,10 +160,7 @@ RunResult run_configuration(const Scene& scene, const Configuration& configurati
                             const std::function<void(int frames_done)>& report) {
   const BackendEntry& backend = find_backend(configuration.backend);
   const Parameters parameters(backend.parameters, configuration.parameters, configuration.text());
-  const ColliderBackends colliders = choose_collider_backends({}, scene, backend);
-  const std::vector<ResponseKind> responses = choose_responses("", scene, backend, parameters, colliders);
-  require_what_effects_need(scene, backend, parameters, responses, colliders);
-  RunCase run{{scene, backend, parameters, threads, 0, responses, colliders}};
+  RunCase run{resolve_case(scene, backend, parameters, {.threads = threads})};
   run.judge = judge;
   return run_case(
       run,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -19,6 +20,22 @@ std::string place_of(const Scene& scene, const std::string& location) {
 }
 
 }  // namespace
+
+std::string refusal_of_threads(long threads) {
+  const long cores = std::max(1U, std::thread::hardware_concurrency());
+  if (threads < 1) return fmt::format("{} is not a number of threads; give at least 1", threads);
+  if (threads <= cores) return "";
+  return fmt::format("{} threads are more than the {} cores of this machine; use at most {}", threads, cores, cores);
+}
+
+Case resolve_case(const Scene& scene, const BackendEntry& backend, const Parameters& parameters,
+                  const CaseChoice& choice) {
+  Case resolved{scene, backend, parameters, choice.threads, choice.repetition};
+  resolved.colliders = choose_collider_backends(choice.colliders, scene, backend);
+  resolved.responses = choose_responses(choice.response, scene, backend, parameters, resolved.colliders);
+  require_what_effects_need(scene, backend, parameters, resolved.responses, resolved.colliders);
+  return resolved;
+}
 
 std::vector<ResponseKind> choose_responses(const std::string& option, const Scene& scene, const BackendEntry& backend,
                                            const Parameters& parameters, const ColliderBackends& colliders) {

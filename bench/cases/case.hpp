@@ -21,6 +21,22 @@ struct Case {
   bool prune = true;  ///< build nothing over bones that the muscles are not expected to touch; changes no contact
 };
 
+/// What a user may say of a case beside scene, backend and parameters.
+struct CaseChoice {
+  std::string response = {};                ///< see choose_responses
+  std::vector<std::string> colliders = {};  ///< see choose_collider_backends
+  int threads = 1;
+  int repetition = 0;
+};
+
+/// Why so many threads can't be taken; empty: they can. Threads that share a core and wait for each other at every step
+/// are slower than one by far.
+std::string refusal_of_threads(long threads);
+
+/// The case of a backend on a scene. Throws InputError where they or what was chosen do not go together.
+Case resolve_case(const Scene& scene, const BackendEntry& backend, const Parameters& parameters,
+                  const CaseChoice& choice = {});
+
 /// The responses of a case, one for all or one a muscle and bone: what the scene says of the two, else the command line
 /// (`--response`; empty: nothing), else the scene for all, else the own one of their backend. Throws InputError where a
 /// backend can't serve what was chosen.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <thread>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -32,6 +31,13 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
       .add_option("--frames", options.frames,
                   "Frames over which the whole motion is spread (default: the scene's or preset's)")
       ->check(CLI::Range(1, 10000000));
+}
+
+CLI::Option* add_recorded_scene_options(CLI::App& command, RecordedScene& options) {
+  command.add_option("--scene", options.scene,
+                     "Name or file of the recorded scene (default: the name or path in the recording)");
+  command.add_option("--data", options.data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
+  return command.add_option("recording", options.recording, "File that `musclebench record` wrote");
 }
 
 std::map<std::string, ParameterValue> loop_overrides(const SceneOptions& options) {
@@ -98,16 +104,10 @@ void add_collider_option(CLI::App& command, BackendOptions& options) {
 
 void add_threads_option(CLI::App& command, int& threads) {
   command.add_option("--threads", threads, "Threads of loop and backend (default: 1)")
-      ->check(CLI::Range(1, 4096))
       ->check(CLI::Validator(
           [](const std::string& text) {
-            const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
-            unsigned value = 0;
-            // Threads that wait for each other at every step and share a core are slower than one by far.
-            return !CLI::detail::lexical_cast(text, value) || value <= cores
-                       ? std::string()
-                       : fmt::format("{} threads are more than the {} cores of this machine; use at most {}", text,
-                                     cores, cores);
+            long wanted = 0;
+            return CLI::detail::lexical_cast(text, wanted) ? refusal_of_threads(wanted) : std::string();
           },
           ""));
 }

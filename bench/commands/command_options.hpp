@@ -9,6 +9,7 @@
 
 #include "backends/registry.hpp"
 #include "bench/cases/scene_source.hpp"
+#include "bench/results/recorded_scene.hpp"
 
 namespace musclebench {
 
@@ -32,6 +33,9 @@ SceneChoice choice_of(const SceneOptions& options);
 /// Reads the scene, notes and prints its warnings. Throws InputError.
 Scene load_scene(const SceneOptions& options);
 void print_warnings(const std::string& scene, const std::vector<SceneWarning>& warnings);
+
+/// Adds the argument `recording`, which it returns, and the options that say where its scene is.
+CLI::Option* add_recorded_scene_options(CLI::App& command, RecordedScene& options);
 
 /// How a command line names a backend.
 struct BackendOptions {

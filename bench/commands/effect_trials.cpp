@@ -33,8 +33,6 @@ EffectChoice choose_effects_with_progress(Scene& scene, const SearchOptions& opt
       options);
 }
 
-bool waits_for_trials(const Scene& scene) { return scene.auto_effects.wanted && scene.wanted.is_given; }
-
 namespace {
 
 /// What an earlier search found, unless that is asked again.
@@ -69,15 +67,6 @@ void add_wanted_effects(const SceneChoice& choice, Scene& scene, const WantedEff
     scene.warnings.push_back({"wanted", "does not hold: " + unmet.text()});
     print_warnings(scene.name, {scene.warnings.back()});
   }
-}
-
-void require_named_effects(const Scene& scene, const std::string& what) {
-  if (!waits_for_trials(scene)) return;
-  throw InputError(
-      scene.file,
-      fmt::format(
-          "has no named effects yet, which {} needs: write them with `musclebench check {} --trial --out FILE.toml`",
-          what, scene.file));
 }
 
 namespace {

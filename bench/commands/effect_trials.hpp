@@ -19,9 +19,6 @@ std::map<std::string, ParameterValue> wanted_overrides(const std::vector<std::st
 /// Searches with progress on standard error.
 EffectChoice choose_effects_with_progress(Scene& scene, const SearchOptions& options);
 
-/// Whether the effects of the scene are left to trial runs: it asks for effects and says what it wants.
-bool waits_for_trials(const Scene& scene);
-
 struct WantedEffectsOptions {
   bool searches_again = false;                                  ///< even where an earlier search is known
   std::function<void(const Scene& widest)> before_search = {};  ///< of the scene with all that may be added
@@ -31,9 +28,6 @@ struct WantedEffectsOptions {
 /// standard error; what does not hold becomes a warning, too. Takes them from an earlier search of the same scene, or
 /// searches. Leaves other scenes alone. Throws InputError where no trial can be run.
 void add_wanted_effects(const SceneChoice& choice, Scene& scene, const WantedEffectsOptions& options = {});
-
-/// Throws InputError for such a scene: `what` would not have the effects that a run has.
-void require_named_effects(const Scene& scene, const std::string& what);
 
 /// What was found, in lines: wanted, each run, what was added, what is needless, what does not hold.
 std::vector<std::string> lines_of(const Scene& scene, const EffectChoice& choice);

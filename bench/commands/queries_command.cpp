@@ -8,12 +8,12 @@
 
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
-#include "bench/commands/recorded_scene.hpp"
 #include "bench/process/progress.hpp"
 #include "bench/process/signals.hpp"
 #include "bench/queries/check_queries.hpp"
 #include "bench/queries/make_queries.hpp"
 #include "bench/queries/query_set_file.hpp"
+#include "bench/results/recorded_scene.hpp"
 #include "core/base/input_error.hpp"
 #include "core/recording/recording_reader.hpp"
 
@@ -22,7 +22,7 @@ namespace musclebench {
 namespace {
 
 struct QueriesOptions {
-  RecordedSceneOptions recorded;
+  RecordedScene recorded;
   std::string out;
   std::string check;
   std::string answers;

@@ -9,11 +9,11 @@
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
 #include "bench/commands/effect_trials.hpp"
-#include "bench/commands/recording_header_of.hpp"
 #include "bench/process/progress.hpp"
 #include "bench/process/signals.hpp"
 #include "bench/results/build_info.hpp"
 #include "bench/results/manifest.hpp"
+#include "bench/results/recording_header_of.hpp"
 #include "core/recording/recording_writer.hpp"
 #include "core/scene/prepare_simulation.hpp"
 
@@ -49,10 +49,10 @@ int record(const RecordOptions& options) {
   const Parameters parameters = backend_parameters(backend, options.backend.parameters);
   const Scene scene = load_scene(options.scene);
   require_named_effects(scene, "a recording");
-  const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
-  const std::vector<ResponseKind> responses =
-      choose_responses(options.backend.response, scene, backend, parameters, colliders);
-  require_what_effects_need(scene, backend, parameters, responses, colliders);
+  const Case resolved = resolve_case(scene, backend, parameters,
+                                     {.response = options.backend.response,
+                                      .colliders = options.backend.colliders,
+                                      .threads = options.backend.threads});
   const fs::path out = options.out;
   {
     const HeldSignals held;
@@ -60,7 +60,6 @@ int record(const RecordOptions& options) {
   }
 
   const Nanoseconds start_ns = monotonic_now_ns();
-  const Case resolved{scene, backend, parameters, options.backend.threads, 0, responses, colliders};
   std::optional<EndAtOnce> until_written(std::in_place);
   const BuiltBackend built = build_backend(resolved);
   const PreparedSimulation prepared =
@@ -68,7 +67,7 @@ int record(const RecordOptions& options) {
                          make_contact_methods(scene, resolved.colliders, resolved.threads));
   release_shared(scene);
   const RecordingHeader header =
-      recording_header(resolved, options.scene, {1, scene.loop.frames}, prepared.simulation->free_nodes());
+      recording_header(resolved, choice_of(options.scene), {1, scene.loop.frames}, prepared.simulation->free_nodes());
   std::optional<RecordingWriter> writer;
   {
     const HeldSignals held;

@@ -5,10 +5,10 @@
 
 #include "bench/commands/command_options.hpp"
 #include "bench/commands/commands.hpp"
-#include "bench/commands/recorded_scene.hpp"
 #include "bench/process/progress.hpp"
 #include "bench/process/signals.hpp"
 #include "bench/results/other_case.hpp"
+#include "bench/results/recorded_scene.hpp"
 #include "bench/results/replay_output.hpp"
 #include "bench/results/result_folder.hpp"
 #include "bench/results/summary.hpp"
@@ -20,7 +20,7 @@ namespace musclebench {
 namespace {
 
 struct ReplayOptions {
-  RecordedSceneOptions recorded;
+  RecordedScene recorded;
   BackendOptions backend;
   std::string out;
   double band_mm = 10;

@@ -12,10 +12,10 @@
 #include "bench/commands/commands.hpp"
 #include "bench/commands/effect_options.hpp"
 #include "bench/commands/effect_trials.hpp"
-#include "bench/commands/recording_header_of.hpp"
 #include "bench/process/progress.hpp"
 #include "bench/process/signals.hpp"
 #include "bench/results/other_case.hpp"
+#include "bench/results/recording_header_of.hpp"
 #include "bench/results/result_folder.hpp"
 #include "bench/results/run_output.hpp"
 #include "bench/results/summary.hpp"
@@ -67,9 +67,9 @@ bool write_last_steps(const std::filesystem::path& file, const RunCase& run, con
   if (result.last_steps.empty()) return false;
   const int last = result.records.back().frame - 1;
   const int frames = static_cast<int>(result.last_steps.size()) / (run.scene.loop.substeps * run.scene.loop.iterations);
-  SceneOptions as_resolved;
-  as_resolved.choice.scene = std::filesystem::path(file).replace_extension(".toml").string();
-  OutputFile scene(as_resolved.choice.scene);
+  SceneChoice as_resolved;
+  as_resolved.scene = std::filesystem::path(file).replace_extension(".toml").string();
+  OutputFile scene(as_resolved.scene);
   scene.stream() << resolved_scene(choice_of(options.scene), run.scene);
   scene.close();
   RecordingWriter writer(file, recording_header(run, as_resolved, {last - frames + 1, last}, free_nodes(run, result)));
@@ -81,17 +81,6 @@ bool write_last_steps(const std::filesystem::path& file, const RunCase& run, con
   }
   writer.finish();
   return true;
-}
-
-/// What the scene asks for itself and the judge of all frames did not find.
-void note_unmet_wants(const RunCase& run, RunResult& result) {
-  const bool is_over = result.status == "ok" || result.status == "suspect";
-  if (!run.judge || !is_over || run.scene.wanted.own_values.empty()) return;
-  for (const RequiredFigure& figure : figures_of_run(run.scene, result)) {
-    if (figure.holds() || !asks_for(run.scene.wanted, figure.requirement)) continue;
-    result.status = "suspect";
-    result.status_detail += (result.status_detail.empty() ? "" : "; ") + figure.text();
-  }
 }
 
 RunResult run_and_write(const RunCase& run, const RunOptions& options, const std::string& out) {
@@ -200,15 +189,13 @@ int run(RunOptions options) {
                                                          check_options(options, backend, parameters, widest);
                                                        }});
   std::sort(options.snapshots.begin(), options.snapshots.end());
-  const ColliderBackends colliders = choose_collider_backends(options.backend.colliders, scene, backend);
-  const std::vector<ResponseKind> responses =
-      choose_responses(options.backend.response, scene, backend, parameters, colliders);
-  require_what_effects_need(scene, backend, parameters, responses, colliders);
-  for (const std::string& line : effects_without_contacts(scene, backend, parameters, colliders)) {
+  RunCase run_of{
+      resolve_case(scene, backend, parameters,
+                   {options.backend.response, options.backend.colliders, options.backend.threads, options.repetition})};
+  for (const std::string& line : effects_without_contacts(scene, backend, parameters, run_of.colliders)) {
     print_warnings(scene.name, {{"no_contacts", line}});
     scene.warnings.push_back({"no_contacts", line});
   }
-  RunCase run_of{{scene, backend, parameters, options.backend.threads, options.repetition, responses, colliders}};
   run_of.judge = !options.unjudged;
   if (options.unjudged && !scene.wanted.own_values.empty()) {
     scene.warnings.push_back({"wanted", "what is wanted is not looked at: --no-referee leaves the run unjudged"});

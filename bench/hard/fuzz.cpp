@@ -109,10 +109,7 @@ HardCell run_here(const FuzzScene& fuzz) {
   const Scene scene = read_fuzz_scene(fuzz);
   const BackendEntry& backend = find_backend(fuzz.backend);
   const Parameters parameters(backend.parameters, {}, "fuzz");
-  RunCase run{{scene, backend, parameters}};
-  run.colliders = choose_collider_backends({}, scene, backend);
-  run.responses = choose_responses("", scene, backend, parameters, run.colliders);
-  require_what_effects_need(scene, backend, parameters, run.responses, run.colliders);
+  RunCase run{resolve_case(scene, backend, parameters)};
   run.snapshots = {0, scene.loop.frames / 2, scene.loop.frames};
   run.keep_surface_depths = false;
   const RunResult result = run_case(run, [](int) {});

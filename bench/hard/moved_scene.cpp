@@ -52,10 +52,7 @@ MovedScene moved(const HardRequest& request, Scene scene, int threads,
   if (request.spoil) request.spoil(scene);
   MovedScene done{std::move(scene), {}};
   const Parameters parameters = request.parameters();
-  RunCase run{{done.scene, request.backend, parameters, threads}};
-  if (!done.scene.muscle_pairs.empty()) run.colliders = choose_collider_backends({}, done.scene, request.backend);
-  run.responses = choose_responses("", done.scene, request.backend, parameters, run.colliders);
-  require_what_effects_need(done.scene, request.backend, parameters, run.responses, run.colliders);
+  RunCase run{resolve_case(done.scene, request.backend, parameters, {.threads = threads})};
   run.snapshots.resize(static_cast<std::size_t>(done.scene.loop.frames) + 1);
   std::iota(run.snapshots.begin(), run.snapshots.end(), 0);
   run.forces = true;

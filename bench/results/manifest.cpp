@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "backends/registry.hpp"
 #include "bench/results/build_info.hpp"
 #include "core/base/sha256.hpp"
 
@@ -261,23 +260,24 @@ Json json_of(const std::vector<PrunedResult>& pruned, const Scene& scene) {
 }
 
 /// By the name of each backend of a case, whose code it is.
-void add_implementations(const Json& part, Json& found) {
-  if (!part.is_structured()) return;
-  if (part.is_object() && part.contains("backend")) {
-    for (const BackendEntry& entry : backend_registry()) {
-      if (entry.name == part["backend"]) found[entry.name] = entry.implementation;
-    }
+Json implementations_of(const Case& resolved) {
+  Json found = {{resolved.backend.name, resolved.backend.implementation}};
+  const auto add = [&](const BackendChoice& choice) { found[choice.entry->name] = choice.entry->implementation; };
+  for (const std::optional<BackendChoice>& choice : resolved.colliders.with_bones) {
+    if (choice) add(*choice);
   }
-  for (const Json& inner : part) add_implementations(inner, found);
+  for (const BackendChoice& choice : resolved.colliders.of_muscle_pairs) add(choice);
+  if (resolved.colliders.of_faces) add(*resolved.colliders.of_faces);
+  return found;
 }
 
 Json manifest_head(std::string_view status, std::string_view status_detail, const Json& json_of_case,
-                   const Scene& scene) {
+                   const Case& resolved) {
+  const Scene& scene = resolved.scene;
   Json json = {{"schema_version", schema_version},     {"status", status},     {"status_detail", status_detail},
                {"run_id", id_of(json_of_case, scene)}, {"title", scene.title}, {"case", json_of_case}};
   json.update(json_of_inputs(scene));
-  json["implementations"] = Json::object();
-  add_implementations(json_of_case, json["implementations"]);
+  json["implementations"] = implementations_of(resolved);
   json["build"] = json_of_build();
   json["machine"] = json_of_machine();
   return json;

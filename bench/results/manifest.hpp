@@ -41,7 +41,7 @@ Json json_of(const std::vector<PrunedResult>& pruned, const Scene& scene);
 
 /// What every run.json begins with: schema version, status, run id, case, inputs, build and machine.
 Json manifest_head(std::string_view status, std::string_view status_detail, const Json& json_of_case,
-                   const Scene& scene);
+                   const Case& resolved);
 
 /// Hash of everything that a run's outcome depends on: the two JSON texts, which name what is run and on what, the
 /// nodes and fibres that the scene resolved to, and the build. 16 hexadecimal digits.

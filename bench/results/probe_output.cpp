@@ -38,7 +38,7 @@ Json json_of_probed_bones(const ProbeResult& result) {
 }
 
 Json manifest(const ProbeCase& what, const ProbeResult& result) {
-  Json json = manifest_head(result.status, result.status_detail, json_of_probe(what), what.scene);
+  Json json = manifest_head(result.status, result.status_detail, json_of_probe(what), what);
   const bool built = result.status == "ok";
   json["structure_bytes"] = built ? Json(result.structure_bytes) : Json(nullptr);
   add_origin(json, result.structures);

@@ -109,7 +109,7 @@ void add_muscles(Json& json, const ReplayCase& replay, const std::optional<Muscl
 
 Json manifest(const ReplayCase& replay, const ReplayResult& result, const RecordingHeader& header,
               const fs::path& recording) {
-  Json json = manifest_head(result.status, result.status_detail, json_of_replay(replay), replay.scene);
+  Json json = manifest_head(result.status, result.status_detail, json_of_replay(replay), replay);
   json["recording"] = {{"file", recording.string()},
                        {"sha256", replay.recording.sha256},
                        {"bytes", replay.recording.bytes},

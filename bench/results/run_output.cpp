@@ -159,7 +159,7 @@ Json json_of_limits() {
 }
 
 Json manifest(const RunCase& run, const RunResult& result) {
-  Json json = manifest_head(result.status, result.status_detail, json_of_run(run), run.scene);
+  Json json = manifest_head(result.status, result.status_detail, json_of_run(run), run);
   json["muscle"]["rest_volume_m3"] = sum_of(result.rest.volumes_m3);
   json["muscle"]["pressure"] = result.rest.pressure;
   json["muscle"]["mean_edge_length_m"] = result.rest.mean_edge_length_m;

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "bench/trials/addition.hpp"
+#include "core/base/input_error.hpp"
 #include "core/scene/check/auto_effects.hpp"
 #include "core/scene/check/scene_check.hpp"
 
@@ -334,6 +335,17 @@ class EffectSearch {
 
 std::string Unmet::text() const {
   return tried.empty() ? what : fmt::format("{}; tried: {}", what, fmt::join(tried, "; "));
+}
+
+bool waits_for_trials(const Scene& scene) { return scene.auto_effects.wanted && scene.wanted.is_given; }
+
+void require_named_effects(const Scene& scene, const std::string& what) {
+  if (!waits_for_trials(scene)) return;
+  throw InputError(
+      scene.file,
+      fmt::format(
+          "has no named effects yet, which {} needs: write them with `musclebench check {} --trial --out FILE.toml`",
+          what, scene.file));
 }
 
 EffectChoice choose_effects(Scene& scene, const TryScene& try_scene, const SearchOptions& options) {

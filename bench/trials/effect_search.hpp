@@ -40,6 +40,12 @@ struct EffectChoice {
   [[nodiscard]] bool holds() const { return unmet.empty(); }
 };
 
+/// Whether the effects of the scene are left to trial runs: it asks for effects and says what it wants.
+bool waits_for_trials(const Scene& scene);
+
+/// Throws InputError for such a scene: `what` would not have the effects that a run has.
+void require_named_effects(const Scene& scene, const std::string& what);
+
 /// Runs a scene, as `try_effects`; `what` is for progress.
 using TryScene = std::function<EffectTrial(const Scene& scene, const TrialRequest& request, const std::string& what)>;
 

@@ -71,10 +71,8 @@ std::vector<std::string> exact_where_the_scene_chooses(const Scene& scene, const
 
 EffectTrial run_once(const Scene& scene, const TrialRequest& request, const std::function<void(int)>& report) {
   const BackendEntry& backend = exact_backend();
-  RunCase run{{scene, backend, Parameters(backend.parameters, {}, backend.name)}};
-  run.colliders = choose_collider_backends(exact_where_the_scene_chooses(scene, backend), scene, backend);
-  run.responses = choose_responses("", scene, backend, run.parameters, run.colliders);
-  require_what_effects_need(scene, backend, run.parameters, run.responses, run.colliders);
+  RunCase run{resolve_case(scene, backend, Parameters(backend.parameters, {}, backend.name),
+                           {.colliders = exact_where_the_scene_chooses(scene, backend)})};
   run.judges_wishes = true;
   run.judged_frames = judged_frames(scene, request);
   // Frames that are left out pay for the others. Where none is, a trial finds what the judge of a run finds.

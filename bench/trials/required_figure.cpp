@@ -268,6 +268,16 @@ std::vector<RequiredFigure> figures_of_run(const Scene& scene, const RunResult& 
   return figures;
 }
 
+void note_unmet_wants(const RunCase& run, RunResult& result) {
+  const bool is_over = result.status == "ok" || result.status == "suspect";
+  if (!run.judge || !is_over || run.scene.wanted.own_values.empty()) return;
+  for (const RequiredFigure& figure : figures_of_run(run.scene, result)) {
+    if (figure.holds() || !asks_for(run.scene.wanted, figure.requirement)) continue;
+    result.status = "suspect";
+    result.status_detail += (result.status_detail.empty() ? "" : "; ") + figure.text();
+  }
+}
+
 const RequiredFigure* find_figure(std::span<const RequiredFigure> figures, Requirement requirement) {
   const auto found = std::ranges::find(figures, requirement, &RequiredFigure::requirement);
   return found == figures.end() ? nullptr : &*found;

@@ -36,6 +36,9 @@ std::vector<RequiredFigure> figures_of_frame(const Scene& scene, const StepRecor
 /// Of a judged run: each requirement that the scene has, at its worst moment. A run that diverged is not whole.
 std::vector<RequiredFigure> figures_of_run(const Scene& scene, const RunResult& run);
 
+/// Makes a judged run `suspect` that lacks what its scene wants (`[wanted]`), and says what.
+void note_unmet_wants(const RunCase& run, RunResult& result);
+
 /// The figure of a requirement; nothing where the scene has not that.
 const RequiredFigure* find_figure(std::span<const RequiredFigure> figures, Requirement requirement);
 

@@ -3,7 +3,7 @@
 #include <span>
 
 #include "bench/cases/case.hpp"
-#include "bench/commands/command_options.hpp"
+#include "bench/cases/scene_source.hpp"
 #include "core/recording/recording.hpp"
 
 namespace musclebench {
@@ -14,8 +14,8 @@ struct FrameRange {
   int last;
 };
 
-/// What a recording of these frames of the case begins with.
-RecordingHeader recording_header(const Case& resolved, const SceneOptions& options, const FrameRange& frames,
+/// What a recording of these frames of the case begins with. `choice`: as its scene was loaded.
+RecordingHeader recording_header(const Case& resolved, const SceneChoice& choice, const FrameRange& frames,
                                  std::span<const int> free_nodes);
 
 }  // namespace musclebench

@@ -1,4 +1,4 @@
-#include "bench/commands/recording_header_of.hpp"
+#include "bench/results/recording_header_of.hpp"
 
 #include <filesystem>
 
@@ -19,15 +19,14 @@ std::string source_of(const SceneChoice& choice) {
 
 }  // namespace
 
-RecordingHeader recording_header(const Case& resolved, const SceneOptions& options, const FrameRange& frames,
+RecordingHeader recording_header(const Case& resolved, const SceneChoice& choice, const FrameRange& frames,
                                  std::span<const int> free_nodes) {
   const Scene& scene = resolved.scene;
   RecordingHeader header;
   header.scene = scene.name;
-  header.scene_source = source_of(options.choice);
-  header.preset = options.choice.preset;
-  header.loop_overrides = loop_overrides(options);
-  const SceneChoice choice = choice_of(options);
+  header.scene_source = source_of(choice);
+  header.preset = choice.preset;
+  header.loop_overrides = choice.loop_overrides;
   header.motion_overrides = choice.motion_overrides;
   header.mesh_overrides = choice.mesh_overrides;
   header.scene_sha256 = scene_hash(scene);

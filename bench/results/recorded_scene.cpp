@@ -1,8 +1,8 @@
-#include "bench/commands/recorded_scene.hpp"
+#include "bench/results/recorded_scene.hpp"
 
 #include <fmt/format.h>
 
-#include "bench/commands/command_options.hpp"
+#include "bench/cases/scene_source.hpp"
 #include "bench/results/manifest.hpp"
 #include "core/base/input_error.hpp"
 
@@ -10,7 +10,7 @@ namespace musclebench {
 
 namespace {
 
-Scene scene_of(const RecordingHeader& header, const RecordedSceneOptions& options) {
+Scene scene_of(const RecordingHeader& header, const RecordedScene& options) {
   SceneChoice choice;
   choice.scene = options.scene.empty() ? header.scene_source : options.scene;
   choice.preset = header.preset;
@@ -42,14 +42,7 @@ void require_same_scene(const Scene& scene, const RecordingHeader& header, const
 
 }  // namespace
 
-CLI::Option* add_recorded_scene_options(CLI::App& command, RecordedSceneOptions& options) {
-  command.add_option("--scene", options.scene,
-                     "Name or file of the recorded scene (default: the name or path in the recording)");
-  command.add_option("--data", options.data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");
-  return command.add_option("recording", options.recording, "File that `musclebench record` wrote");
-}
-
-Scene load_recorded_scene(const RecordingHeader& header, const RecordedSceneOptions& options) {
+Scene load_recorded_scene(const RecordingHeader& header, const RecordedScene& options) {
   Scene scene = scene_of(header, options);
   require_same_scene(scene, header, options.recording);
   return scene;
