@@ -9,6 +9,9 @@ target_include_directories(musclebench_settings INTERFACE
 target_compile_definitions(musclebench_settings INTERFACE EIGEN_MAX_ALIGN_BYTES=16)
 # Contraction would let the compiler fuse a*b+c where it likes: results would then differ between compilers and flags.
 target_compile_options(musclebench_settings INTERFACE -ffp-contract=off -fno-math-errno)
+# The libraries of a program go into a module of Python, too. A linker of programs undoes what position-independent code
+# would cost, but for calls that a compiler no longer inlines, as another library might replace their function.
+target_compile_options(musclebench_settings INTERFACE -fPIC -fno-semantic-interposition)
 # Eigen's own products are fused where FMA is there, and AVX-512 brings it: without them a state has the same bits as in
 # any other build. Kernels that use such vectors are chosen when the program runs.
 if(MUSCLEBENCH_NATIVE)

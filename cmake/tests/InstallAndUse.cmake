@@ -26,3 +26,7 @@ call("${CMAKE_COMMAND}" -S "${PROJECT}" -B "${outside}" -G "${GENERATOR}" "-DCMA
 call("${CMAKE_COMMAND}" --build "${outside}")
 call("${outside}/outside")
 call("${prefix}/bin/musclebench" --version)
+if(PYTHON_DIR)
+  call("${CMAKE_COMMAND}" -E env "PYTHONPATH=${prefix}/${PYTHON_DIR}" "${PYTHON}" -c
+    "import musclebench; scene = musclebench.load_scene('synthetic/iliacus', loop={'frames': 3}); print(musclebench.run(scene, 'sdf'), musclebench.__file__)")
+endif()

@@ -27,6 +27,8 @@ class ResultProblem(Exception):
 
 @dataclass
 class Run:
+    """A finished run. Tables are data frames; reports/reading_results.md tells their columns."""
+
     folder: Path
     record: dict  # run.json
     frames: pd.DataFrame  # frames.csv and collision_ns; empty where the run left none
@@ -35,6 +37,9 @@ class Run:
     fibres: pd.DataFrame = field(default_factory=pd.DataFrame)  # fibres.csv; empty where none are followed
     forces: pd.DataFrame = field(default_factory=pd.DataFrame)  # forces.csv; empty without --forces
     shares_muscle: bool = False  # with another scene of the experiment: then it goes by the scene's name
+
+    def __repr__(self) -> str:
+        return f"Run({self.scene} with {self.backend}: {self.status}, {len(self.frames)} frames)"
 
     @property
     def mode(self) -> str:
@@ -83,6 +88,8 @@ def implementations_in(records: list[dict]) -> dict[str, str]:
 
 
 def read_run(folder: Path) -> Run:
+    """The run in a result folder. Raises ResultProblem where it is damaged or not whole."""
+    folder = Path(folder)
     try:
         record = json.loads((folder / "run.json").read_text())
     except (OSError, ValueError) as problem:
