@@ -50,10 +50,11 @@ def make(options) -> int:
     if not bundles:
         raise Problem(f"{options.bundles[0]}: holds no study of accuracy; tools/accuracy measures one")
     answers, commit = [bundle.rows for bundle in recomputed], recomputed[0].header["commit"] if recomputed else ""
-    if options.recompute:
+    if options.recompute is not None:
+        asked = read_all(options.recompute)[0] or bundles
         registry = read_registry(options.musclebench)
         commit = json.loads(registry.text)["git"]
-        answers.append(recompute(bundles, options.musclebench, registry, options.data, Limits(options.longest, 60 * options.within), say))
+        answers.append(recompute(asked, options.musclebench, registry, options.data, Limits(options.longest, 60 * options.within), say))
     rows = write_site(bundles, hard, options.out, answers, commit)
     counts = ", ".join(f"{count} {name}" for name, count in rows["standing"].value_counts().items())
     print(f"{options.out / 'index.html'}: {len(rows)} settings of {rows['backend'].nunique()} backends on {rows['machine'].nunique()} "

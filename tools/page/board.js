@@ -1,20 +1,13 @@
 // The board: an error that one can live with, and what it costs with each backend. What is chosen stands in the address.
+import { addressed, writeAddress } from "./address.js";
 import { startChart } from "./charts.js";
 import { choiceOf } from "./choice.js";
 import { EXACT_MM, ERRORS, asked, canWin, columnOf, errorAt, frontOf, ranking, stepAt } from "./rank.js";
 import { rowsOf } from "./rows.js";
-import { startView } from "./view.js";
 import { escaped, figure } from "./words.js";
 
 const DEFAULTS = { error: "surface", contacts: "all", division: "all", at: 0.1, off: "" };
 const HOVER = { error_words: "holds", structure_mb: "structures (MB)", build_s: "build (s)", standing: "answers", bound: "declared bound", measured: "measured" };
-
-const addressed = () => Object.fromEntries(new URLSearchParams(location.hash.slice(1)));
-
-function writeAddress(state, fixed) {
-  const told = Object.entries(state).filter(([key, value]) => String(value) !== String(fixed[key] ?? ""));
-  history.replaceState(null, "", told.length ? `#${new URLSearchParams(told)}` : location.pathname + location.search);
-}
 
 const boundOf = (row) => (row.declared_missed_mm === null ? row.bound : `${figure(Math.max(row.declared_missed_mm, row.declared_false_mm))} mm, ${row.bound}`);
 const nameOf = (row) => `${row.spoken ?? row.configuration}${row.stride > 1 ? `, every ${row.stride}th frame` : ""}`;
@@ -129,26 +122,5 @@ async function startBoard(section) {
   section.board = board;
 }
 
-// Runs in space: the camera and the frame stand in the address.
-async function startShapes(section) {
-  const choice = choiceOf(section), element = section.querySelector("figure.has-view"), told = addressed();
-  await startView(element, choice);
-  if (!element.view) return;
-  const { stage, parts } = element.view;
-  if (told.frame) {
-    parts.slider.value = told.frame;
-    element.view.setFrame();
-  }
-  if (told.camera) stage.sight = told.camera.split(",").map(Number);
-  let waiting = null;
-  const write = () => {
-    clearTimeout(waiting);
-    waiting = setTimeout(() => writeAddress({ frame: parts.slider.value, camera: stage.sight.map((value) => Number(value.toPrecision(5))).join(",") }, {}), 200);
-  };
-  stage.controls.addEventListener("change", write);
-  parts.slider.addEventListener("input", write);
-}
-
 for (const section of document.querySelectorAll("section.board")) startBoard(section);
-for (const section of document.querySelectorAll("section.shapes")) startShapes(section);
 document.documentElement.dataset.ready = "yes";

@@ -226,6 +226,12 @@ def test_the_board_takes_folders_and_tells_what_is_refuted(published, tmp_path, 
     assert board_tool.main([*words, "--recomputed", str(tmp_path / "ours")]) == board_tool.CODE_REFUTED
     told = capsys.readouterr()
     assert told.err == "refuted: bvh on synthetic/iliacus, of accuracy-synthetic: its answers are not those that it gives here\n" and "1 refuted" in told.out
-    for wrong in ([str(tmp_path / "none")], [*words, "--recomputed", str(tmp_path / "bundles" / "theirs.zip")], [str(tmp_path / "nothing")]):
+    asked = []
+    monkeypatch.setattr(board_tool, "recompute", lambda bundles, *rest: asked.append(len(bundles)) or published.rows.head(0))
+    monkeypatch.setattr(board_tool, "read_registry", lambda program: fake_registry.registry())
+    for which, count in (([], 2), ([str(tmp_path / "bundles" / "theirs.zip")], 1)):
+        assert board_tool.main([*words, "--musclebench", "/bin/true", "--recompute", *which]) == 0 and asked.pop() == count
+    for wrong in ([str(tmp_path / "none")], [*words, "--recompute", str(tmp_path / "nothing.zip")],
+                  [*words, "--recomputed", str(tmp_path / "bundles" / "theirs.zip")], [str(tmp_path / "nothing")]):
         assert board_tool.main([*wrong, "--out", str(tmp_path / "other")]) == 2 and len(capsys.readouterr().err.splitlines()) == 1
     assert not (tmp_path / "other").exists()

@@ -9,6 +9,7 @@ from in_browser import told_by
 from musclebench.board.bundle import Bundle
 from musclebench.board.made import bundle_of
 from musclebench.board.site import write_site
+from musclebench.page import bundle
 from musclebench.page.sections import sections_of
 from musclebench.page.views import Views
 from published_bundle import PUBLISHED
@@ -36,6 +37,12 @@ def found(tmp_path_factory) -> dict:
 
 def test_it_opens_without_a_complaint_and_asks_no_network(found):
     assert found["errors"] == [] and found["first"]["drawn"] > 40
+
+
+def test_a_page_loads_only_what_it_draws(found, tmp_path):
+    scripts = {name: bundle.page_script(entry=name) for name in (bundle.BOARD, bundle.SHAPES)}
+    assert "WebGLRenderer" not in scripts[bundle.BOARD] and "WebGLRenderer" in scripts[bundle.SHAPES]
+    assert len(scripts[bundle.BOARD]) < 750_000
 
 
 def test_the_first_ranking_holds_a_tenth_of_a_millimetre(found):

@@ -16,7 +16,7 @@ from urllib.parse import quote
 import pandas as pd
 
 from ..accuracy.front import EXACT_MM
-from ..page.bundle import BOARD, SOURCES, page_script
+from ..page.bundle import BOARD, SHAPES, SOURCES, page_script
 from ..page.html import template_engine
 from ..program.cli import Problem
 from ..tables.difficulties import TITLES
@@ -70,7 +70,7 @@ class Page:
     title: str
     words: list[str] = field(default_factory=list)
     parts: list[Part] = field(default_factory=list)
-    needs_script: bool = False
+    script: str = ""
     index: Told | None = None  # of the page with the ranking
     menu: dict[str, list[Told]] = field(default_factory=dict)
 
@@ -96,11 +96,11 @@ def write_site(bundles: Sequence[Bundle], hard: Sequence[HardCase], out: Path, r
     if out.exists() and (strange := _strange_files(out)):
         raise Problem(f"--out {out}: is there already and is no board ({strange} is none of its files); name a new folder")
     rows = board_rows(bundles, recomputed, commit)
-    script = page_script(entry=BOARD)
+    scripts = {name: page_script(entry=name) for name in (BOARD, SHAPES)}
     out.parent.mkdir(parents=True, exist_ok=True)
     folder = Path(tempfile.mkdtemp(prefix=f".{out.name}.", dir=out.parent))
     try:
-        _write(folder, rows, bundles, hard, script)
+        _write(folder, rows, bundles, hard, scripts)
         size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
         if size > LARGEST_BYTES:
             largest = max(bundles, key=lambda bundle: len(json.dumps(bundle.shapes or {})) + len(bundle.rows))
@@ -116,7 +116,7 @@ def write_site(bundles: Sequence[Bundle], hard: Sequence[HardCase], out: Path, r
     return rows
 
 
-def _write(folder: Path, rows: pd.DataFrame, bundles: Sequence[Bundle], hard: Sequence[HardCase], script: str) -> None:
+def _write(folder: Path, rows: pd.DataFrame, bundles: Sequence[Bundle], hard: Sequence[HardCase], scripts: dict[str, str]) -> None:
     template = template_engine().get_template("board.html.j2")
     made = datetime.now(timezone.utc).strftime("%Y-%m-%d")
     told = {"made": made, "sources": [bundle.header["title"] for bundle in bundles], "looks": looks_of(bundles)}
@@ -126,7 +126,8 @@ def _write(folder: Path, rows: pd.DataFrame, bundles: Sequence[Bundle], hard: Se
         path.parent.mkdir(exist_ok=True)
         path.write_text(template.render(told | vars(page), root=page.root), encoding="utf-8")
     (folder / "style.css").write_text((SOURCES / "style.css").read_text(encoding="utf-8"), encoding="utf-8")
-    (folder / "board.js").write_text(script, encoding="utf-8")
+    for name, script in scripts.items():
+        (folder / name).write_text(script, encoding="utf-8")
     (folder / ROWS).write_text(csv, encoding="utf-8")
     files = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
     (folder / MARK).write_text(json.dumps({"musclebench_board": 1, "files": [*files, MARK]}, indent=1) + "\n", encoding="utf-8")
@@ -164,7 +165,7 @@ def _pages(rows: pd.DataFrame, bundles: Sequence[Bundle], hard: Sequence[HardCas
              "looks": {name: looks[name] | {"page": quote(path)} for name, path in paths["backends"].items()}}
     words = ["Every backend answers the same questions: is a node of a muscle inside a bone, and how deep? Say which error you can live with, and read what "
              "it costs."]
-    return [Page("index.html", TITLE, words, [], True, index, menu), *backends, *of_libraries, *scenes, *of_machines, *of_cases]
+    return [Page("index.html", TITLE, words, [], BOARD, index, menu), *backends, *of_libraries, *scenes, *of_machines, *of_cases]
 
 
 def _paths(folder: str, names: Iterable[str]) -> dict[str, str]:
@@ -216,7 +217,7 @@ def _scene_page(name: str, path: str, cells: list[Told], bundles: Sequence[Bundl
         views = {"title": "Shapes, pressure and forces", "words": words, "scenes": shapes["scenes"], "data": shapes,
                  "muscle": shapes["scenes"][0]["muscle"]}
         parts.insert(1, Part("Shapes", views=views))
-    return Page(path, name, [], parts, bool(shapes))
+    return Page(path, name, [], parts, SHAPES if shapes else "")
 
 
 def _machine_page(name: str, path: str, cells: list[Told], bundles: Sequence[Bundle]) -> Page:

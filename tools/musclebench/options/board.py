@@ -20,7 +20,7 @@ import argparse
 import shutil
 from pathlib import Path
 
-from ..page.bundle import BOARD, BUILT, SOURCES, script_file
+from ..page.bundle import BOARD, BUILT, SHAPES, SOURCES, script_file
 from ..program.cli import OneLineParser, Problem, check_data, check_positive, check_program
 from .shared import BuiltProgram, Needs, Tool, built_program
 
@@ -32,7 +32,7 @@ def parse_arguments(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("bundles", nargs="+", type=Path, metavar="BUNDLE", help="zip of tools/bundle, or folder of results")
     parser.add_argument("--recomputed", action="append", default=[], type=Path, metavar="RESULTS",
                         help="results of tools/accuracy with answers that were computed here; may be repeated")
-    parser.add_argument("--recompute", action="store_true", help="compute the answers of all bundles here")
+    parser.add_argument("--recompute", nargs="*", type=Path, metavar="BUNDLE", help="compute the answers of these bundles here (default: of all)")
     parser.add_argument("--longest", type=float, default=120.0, metavar="SECONDS",
                         help="time limit of one setting; what takes longer stays claimed (default: 120 s)")
     parser.add_argument("--within", type=float, default=60.0, metavar="MINUTES",
@@ -45,7 +45,7 @@ def parse_arguments(arguments: list[str] | None) -> argparse.Namespace:
 
 
 def check(options: argparse.Namespace) -> None:
-    for path in (*options.bundles, *options.recomputed):
+    for path in (*options.bundles, *options.recomputed, *(options.recompute or [])):
         if not path.exists():
             raise Problem(f"{path}: no such bundle or folder of results")
     check_data(options.data)
@@ -54,13 +54,13 @@ def check(options: argparse.Namespace) -> None:
     for path in options.recomputed:
         if not (path / "raw").is_dir():
             raise Problem(f"--recomputed {path}: holds no runs; only results of tools/accuracy that were made here verify a row")
-    if options.recompute and not isinstance(options.musclebench, BuiltProgram):
+    if options.recompute is not None and not isinstance(options.musclebench, BuiltProgram):
         check_program(options.musclebench, "tools/build")
 
 
 def needs(options: argparse.Namespace) -> Needs:
-    is_there = script_file(SOURCES, BUILT, BOARD).is_file() or (shutil.which("npm") and shutil.which("node"))
-    return Needs(options.musclebench.preset if options.recompute and isinstance(options.musclebench, BuiltProgram) else "",
+    is_there = all(script_file(SOURCES, BUILT, entry).is_file() for entry in (BOARD, SHAPES)) or (shutil.which("npm") and shutil.which("node"))
+    return Needs(options.musclebench.preset if options.recompute is not None and isinstance(options.musclebench, BuiltProgram) else "",
                  packages=() if is_there else ("nodejs", "npm"))
 
 

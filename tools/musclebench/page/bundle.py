@@ -19,7 +19,7 @@ KEPT_BUNDLES = 4
 IMPATIENT = ("--fetch-retries=1", "--fetch-timeout=30000")  # without a network it shall say so soon
 
 
-PAGE, BOARD = "main.js", "board.js"  # what a script begins with
+PAGE, BOARD, SHAPES = "main.js", "board.js", "shapes.js"  # what a script begins with
 
 
 def page_script(sources: Path = SOURCES, built: Path = BUILT, entry: str = PAGE) -> str:
