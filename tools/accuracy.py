@@ -13,11 +13,12 @@ from musclebench.cases.study_command import end, folders_of, require_results
 from musclebench.experiments.command import chosen, print_plan
 from musclebench.experiments.experiment_file import CaseGroup, ExperimentFile, of_project
 from musclebench.experiments.running import limits_of, sweep_of
+from musclebench.experiments.selection import beside_references
 from musclebench.options.accuracy import QUICK_MUSCLE, parse_arguments
 from musclebench.options.shared import check_options
 from musclebench.page.of_study import page_of
 from musclebench.program.cli import Problem, run_command
-from musclebench.program.registry import read_registry
+from musclebench.program.registry import Registry, read_registry
 from musclebench.results.run_folder import ResultProblem
 
 QUICK_REPLAY_SECONDS = 2.0
@@ -25,12 +26,15 @@ QUICK_FORCES_SECONDS = 30.0  # of a case: what takes longer is a row with its es
 PRICE_LIST = "price_list.txt"
 
 
-def asked(file: ExperimentFile, options) -> ExperimentFile:
+def asked(file: ExperimentFile, options, registry: Registry) -> ExperimentFile:
     """The experiment as the options want it."""
     if options.band_mm:
         file = file.with_groups(band_mm=options.band_mm)
     if options.longest:
         file = file.with_groups(longest_s=options.longest)
+    if options.backend:
+        names = beside_references(options.backend, registry)
+        file = replace(file, groups=tuple(replace(group, backends=names) if group.backends == "all" else group for group in file.groups))
     if options.quick:
         file = replace(file, repetitions=1, groups=tuple(_quick(group) for group in file.groups))
     return file
@@ -71,7 +75,7 @@ def measure_and_report(arguments) -> int:
         files = [*write_report(folders.out_dir), *page_of("accuracy", folders.out_dir, options), *bundle_files(options, folders.out_dir, problems)]
         return end("accuracy", files, problems, folders.out_dir)
     registry = read_registry(options.musclebench)
-    sweep = sweep_of(asked(file, options), options, registry, folders, QUICK_MUSCLE if options.quick else None)
+    sweep = sweep_of(asked(file, options, registry), options, registry, folders, QUICK_MUSCLE if options.quick else None)
     cases, limits = chosen(sweep, options.shard), limits_of(options)
     if options.dry_run:
         print_plan(cases, sweep, len(limits.cores))

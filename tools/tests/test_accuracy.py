@@ -321,6 +321,15 @@ def test_a_dry_run_prints_the_cases_and_writes_nothing(sweep):
     assert all(name in text for name in RUN_CASES) and all(f"{name}  (not run, too long)" in text for name in TOO_LONG)
 
 
+def test_one_backend_is_measured_beside_those_that_tables_compare_with(sweep):
+    _, text, _, _ = sweep("--dry-run", "--backend", "sdf")
+    names = {line.split()[-1] for line in text.splitlines() if "-replay-" in line or "-coupled-" in line}
+    assert {name.split("-")[2] for name in names} == {"null", "sdf", "bvh"}  # the stand-in has no unit of price
+    _, text, _, _ = sweep("--dry-run", "--backend", "brute_force")
+    assert "iliacus-replay-brute_force-r0" in text and "sdf" not in text
+    assert "iliacus-floor-bvh-r0" in text
+
+
 def test_a_dry_run_of_what_is_complete_leaves_no_work(finished):
     assert "0 s of work left" in finished("--dry-run")[1]
 
@@ -334,6 +343,7 @@ def test_the_report_alone_runs_nothing(finished):
 @pytest.mark.parametrize("arguments, words", [
     (["--musclebench", "/no/such/program"], "no such program"),
     (["--muscle", "biceps"], "'biceps'"),
+    (["--backend", "sfd"], "--backend sfd: not built; there are: null,"),
     (["--data", "/no/such/data"], "lhdl.json"),
     (["--repetitions", "-2"], "--repetitions -2"),
     (["--jobs", "0"], "--jobs 0"),

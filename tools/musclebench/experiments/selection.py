@@ -31,6 +31,13 @@ def backend_of(wanted: str | None, registry: Registry) -> str:
     return check_backend(wanted, registry) if wanted else usual_backend(registry).name
 
 
+def beside_references(wanted: list[str], registry: Registry) -> tuple[str, ...]:
+    """These backends and those that tables compare with, in the program's order."""
+    references = [registry.control, registry.unit_of_price and registry.unit_of_price[0], usual_backend(registry)]
+    names = {check_backend(name, registry) for name in wanted} | {backend.name for backend in references if backend}
+    return tuple(name for name in registry.names if name in names)
+
+
 def backends_of(group: CaseGroup, experiment: ExperimentFile, registry: Registry) -> list[Backend]:
     if group.backends == "all":
         return list(registry.backends)

@@ -4,6 +4,7 @@ Replay feeds the same recorded positions to all backends. In a coupled run each 
 run follows fibres, for moment arms. The tables give the price of each error; figures and report.html go to --out, too.
 
   tools/accuracy --quick                        a first picture in some 6 minutes
+  tools/accuracy --quick --backend mine         your own backend and the few that tables compare with: 3 minutes
   tools/accuracy --muscle iliacus --jobs 1      one muscle, quietest times
 
 You can stop the study and start it again. It skips complete cases. A case runs again if its arguments, the program or the
@@ -27,6 +28,9 @@ def parse_arguments(arguments, file: ExperimentFile):
     what.add_argument("--quick", action="store_true",
                       help="a first picture in some 6 minutes: fewer settings, frames and repetitions")
     add_scene_options(what, f"{EVERY_SCENE}; with --quick {QUICK_MUSCLE}")
+    what.add_argument("--backend", action="append", metavar="NAME",
+                      help="measure this backend, and only those that every table compares with: no collision, the unit of price and the fastest "
+                           "exact one; may be repeated (default: all backends)")
     what.add_argument("--repetitions", type=int, metavar="N",
                       help=f"repetitions of each case, fewer for long cases (default: {file.repetitions}; with --quick 1)")
     what.add_argument("--band-mm", type=float, metavar="MM",
