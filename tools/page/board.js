@@ -2,7 +2,7 @@
 import { addressed, writeAddress } from "./address.js";
 import { startChart } from "./charts.js";
 import { choiceOf } from "./choice.js";
-import { EXACT_MM, ERRORS, asked, canWin, columnOf, errorAt, frontOf, ranking, stepAt } from "./rank.js";
+import { EXACT_MM, ERRORS, asked, canWin, errorAt, frontOf, overScenes, ranking, stepAt } from "./rank.js";
 import { rowsOf } from "./rows.js";
 import { escaped, figure } from "./words.js";
 
@@ -16,7 +16,7 @@ class Board {
   constructor(section, rows, choice) {
     Object.assign(this, { section, rows, choice });
     const part = (name) => section.querySelector(`.${name}`);
-    this.parts = Object.fromEntries(["scene", "machine", "error", "contacts", "division", "at", "at-number", "at-unit", "ranking", "unable", "told", "where"].map((name) => [name, part(`board-${name}`)]));
+    this.parts = Object.fromEntries(["scene", "machine", "error", "contacts", "division", "at", "at-number", "at-unit", "ranking", "unable", "told", "where", "scenes"].map((name) => [name, part(`board-${name}`)]));
     this.fixed = { ...DEFAULTS, scene: this.parts.scene.value, machine: this.parts.machine.value };
     this.state = this.fixed;
     for (const name of ["scene", "machine", "error", "contacts", "division"]) this.parts[name].addEventListener("change", () => this.choose({ [name]: this.parts[name].value }));
@@ -96,6 +96,8 @@ class Board {
       : `Nothing here holds ${error}.`;
     this.parts.where.textContent = `${this.state.scene}, ${this.state.machine}`; // on paper there is no form
     this.parts.ranking.innerHTML = ranked.map((row) => this.lineOf(row, about)).join("");
+    clearTimeout(this.waiting);
+    this.waiting = setTimeout(() => this.tellScenes()); // after the picture
     const cannot = shown.filter((row) => !canWin(row) && !unable.some((one) => one.backend === row.backend));
     this.parts.unable.innerHTML = [
       ...unable.map(({ backend, why, error: off }) => [this.choice.name(backend), off === null ? why : `${why} ${figure(off)} ${about.unit}`]),
@@ -103,10 +105,22 @@ class Board {
     ].map(([name, why]) => `<li>${escaped(name)}: ${escaped(why)}</li>`).join("");
   }
 
+  tellScenes() {
+    const { scenes, lines } = overScenes(this.rows, this.state, (backend) => this.choice.shows(backend));
+    const heads = scenes.map(({ scene, machine }) => `<th scope="col" class="number">${escaped(scene)}${machine === this.state.machine ? "" : `<br><span class="quiet">${escaped(machine)}</span>`}</th>`);
+    const cell = (times) => `<td class="number">${times === undefined ? "" : times === null ? "does not hold it" : times.toPrecision(3)}</td>`;
+    const body = lines.map((line) => `<tr><th scope="row">${this.linkOf(line.backend)}</th>${line.times.map(cell).join("")}</tr>`);
+    this.parts.scenes.innerHTML = `<thead><tr><th scope="col">backend</th>${heads.join("")}</tr></thead><tbody>${body.join("")}</tbody>`;
+  }
+
+  linkOf(backend) {
+    return `<a href="${escaped(this.choice.looks[backend].page)}"><span class="dot" style="background:${escaped(this.choice.colour(backend))}"></span>${escaped(this.choice.name(backend))}</a>`;
+  }
+
   lineOf(row, about) {
     const pays = row.pays_after === null ? "unknown" : row.pays_after === Infinity ? "never" : row.pays_after === 0 ? "at once" : String(row.pays_after);
     const cells = [
-      [row.rank, true], [`<a href="${escaped(this.choice.looks[row.backend].page)}"><span class="dot" style="background:${escaped(this.choice.colour(row.backend))}"></span>${escaped(this.choice.name(row.backend))}</a>`],
+      [row.rank, true], [this.linkOf(row.backend)],
       [escaped(nameOf(row))], [`${figure(row.time_ms)}${row.is_disturbed ? " *" : ""} <span class="quiet">(${figure(row.time_ms_low)} to ${figure(row.time_ms_high)})</span>`, true], [`${row.times.toPrecision(3)}${row.is_tied ? " (overlaps)" : ""}`, true],
       [row.error < EXACT_MM ? "exact" : `${figure(row.error)} ${about.unit}`, true], [figure(row.build_s), true], [pays, true], [figure(row.structure_mb), true],
       [escaped(this.state.error === "surface" ? `${row.standing}; ${row.division}` : "claimed; open")], [escaped(boundOf(row)), true], [escaped(`${row.measured}${row.is_old ? ", other query set" : ""}`)],

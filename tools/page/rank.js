@@ -47,6 +47,24 @@ export function ranking(rows, state) {
   return { ranked, unable: others.map((backend) => ({ backend, ...whyNone(rows.filter((row) => row.backend === backend)) })) };
 }
 
+// Of each scene and each backend that has a ranking there, the time over that of the first: {scenes: [{scene, machine}], lines:
+// [{backend, times: [a number a scene; null: none of its settings holds the error; undefined: it has no rows there]}]}. First who
+// holds the error in most scenes, then who is the fastest on (geometric) average. A scene is shown for the chosen machine, else for
+// the first that has it.
+export function overScenes(rows, state, shows) {
+  const scenes = [...new Set(rows.map((row) => row.scene))].map((scene) => {
+    const there = [...new Set(rows.filter((row) => row.scene === scene).map((row) => row.machine))];
+    return { scene, machine: there.includes(state.machine) ? state.machine : there[0] };
+  });
+  const found = scenes.map((where) => ranking(asked(rows, { ...state, ...where }).filter((row) => shows(row.backend)), state));
+  const backends = [...new Set(found.flatMap(({ ranked, unable }) => [...ranked, ...unable].map((row) => row.backend)))];
+  const lines = backends.map((backend) => ({ backend, times: found.map(({ ranked, unable }) => ranked.find((row) => row.backend === backend)?.times
+    ?? (unable.some((row) => row.backend === backend) ? null : undefined)) }));
+  const held = (line) => line.times.filter((times) => times > 0);
+  const mean = (line) => held(line).reduce((sum, times) => sum + Math.log(times), 0) / held(line).length;
+  return { scenes, lines: lines.filter((line) => held(line).length).sort((a, b) => held(b).length - held(a).length || mean(a) - mean(b)) };
+}
+
 // After so many frames it is ahead of all that hold the error and are ready sooner; Infinity: one of them is faster, too.
 export function paysAfter(row, holding) {
   if (holding.some((other) => other.build_s === null)) return null;

@@ -29,6 +29,8 @@ const told = async (page) => ({
 const page = await open("index.html");
 await ready(page);
 found.first = await told(page);
+await page.locator(".board-scenes tbody tr").first().waitFor();
+found.scenes = await page.locator(".board-scenes tr").evaluateAll((lines) => lines.map((line) => [...line.cells].map((cell) => cell.innerText)));
 found.crossed = await page.locator("#pareto").evaluate((figure) => figure.chart.getOption().series.flatMap((one) => (one.type === "scatter" ? one.data : []))
   .filter((point) => String(point.symbol).startsWith("path")).map((point) => point.row.why_not));
 const paint = await page.evaluate(() => performance.getEntriesByType("paint").map((entry) => [entry.name, entry.startTime]));

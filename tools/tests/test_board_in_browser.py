@@ -53,6 +53,11 @@ def test_the_first_ranking_holds_a_tenth_of_a_millimetre(found):
     assert times == sorted(times) and len(times) > 5
 
 
+def test_the_same_error_stands_for_all_scenes(found):
+    heads, *lines = found["scenes"]
+    assert heads == ["backend", SCENE] and [line[1] for line in lines] == [line[4].split()[0] for line in found["first"]["ranking"]]
+
+
 def test_the_slider_moves_the_line_and_the_ranking(found):
     coarse, fine = found["coarse"], found["fine"]
     assert "holds 0.1 mm" not in coarse["words"] and coarse["address"].startswith("#at=") and coarse["cut"][0] > 0.3

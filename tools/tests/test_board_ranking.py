@@ -44,6 +44,20 @@ def test_the_cheapest_setting_that_holds_the_error_is_first():
     assert ranked(rows, division="closed")["ranked"] == []
 
 
+def test_all_scenes_stand_side_by_side():
+    rows = [row("grid 64", 1.0, 0.09), row("tree", 2.0, 0.0), row("grid 64", 4.0, 0.5, scene="t"), row("tree", 3.0, 0.0, scene="t"),
+            row("late", 30.0, 0.01, scene="t"), row("tree", 1.0, 0.0, scene="u", machine="n"), row("wrong", 0.1, 5.0), row("off", 0.1, 0.0)]
+    script = (f"import {{ overScenes }} from 'file://{RANK}';\nconst state = {{ machine: 'm', scene: 's', error: 'surface', contacts: 'all', division: 'all', at: 0.1 }};\n"
+              f"console.log(JSON.stringify(overScenes({json.dumps(rows)}, state, (name) => name !== 'off'), (key, value) => (value === undefined ? 'absent' : value)));\n")
+    if not shutil.which("node"):
+        pytest.skip("node is missing (tools/setup nodejs): the ranking is not tried")
+    found = json.loads(subprocess.run(["node", "--input-type=module", "-e", script], capture_output=True, text=True, check=True).stdout)
+    assert found["scenes"] == [{"scene": "s", "machine": "m"}, {"scene": "t", "machine": "m"}, {"scene": "u", "machine": "n"}]
+    lines = {line["backend"]: line["times"] for line in found["lines"]}
+    assert list(lines) == ["tree", "grid", "late"]  # in three scenes, then the faster of those in one
+    assert lines == {"tree": [2, 1, 1], "grid": [1, None, "absent"], "late": ["absent", 10, "absent"]}
+
+
 def test_a_build_pays_after_so_many_frames():
     rows = [row("slow", 10.0, 0.0, build_s=0.1), row("fast", 1.0, 0.0, build_s=1.0), row("loser", 12.0, 0.0, build_s=2.0),
             row("unknown", 20.0, 0.0, build_s=None)]
