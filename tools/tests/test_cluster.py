@@ -10,7 +10,9 @@ import pytest
 
 import experiment
 from fake_trial import QUICK, TRIAL, call
+import cluster_campaign
 from one_node_slurm import is_installed, one_node, wait_for_jobs
+from program import PROGRAM, needs_program
 
 PROJECT = Path(__file__).resolve().parents[2]
 CLUSTER = PROJECT / "bench" / "experiments" / "cluster"
@@ -111,3 +113,13 @@ def test_a_slurm_job_array_gives_the_bytes_of_one_machine(trial, tmp_path, local
     logs = "".join(path.read_text() for path in tmp_path.glob("*.log"))
     assert merged(trial, out / "whole", sorted(out.glob("part-*"))).returncode == 0, logs
     assert (out / "whole" / "answers.csv").read_bytes() == local
+
+
+@pytest.mark.long
+@needs_program
+@pytest.mark.parametrize("way", ["snakemake", "slurm"])
+def test_a_fault_in_each_tenth_case_loses_nothing(way, tmp_path):
+    if way == "snakemake" and not shutil.which("snakemake") or way == "slurm" and not is_installed():
+        pytest.skip(f"{way} is not installed, or this is not root")
+    assert cluster_campaign.main(["--musclebench", PROGRAM, "--out", str(tmp_path / "campaign"), "--cases", "60", "--parts", "2",
+                                  "--by", way]) == 0
