@@ -47,8 +47,10 @@ def test_the_cheapest_setting_that_holds_the_error_is_first():
 def test_all_scenes_stand_side_by_side():
     rows = [row("grid 64", 1.0, 0.09), row("tree", 2.0, 0.0), row("grid 64", 4.0, 0.5, scene="t"), row("tree", 3.0, 0.0, scene="t"),
             row("late", 30.0, 0.01, scene="t"), row("tree", 1.0, 0.0, scene="u", machine="n"), row("wrong", 0.1, 5.0), row("off", 0.1, 0.0)]
-    script = (f"import {{ overScenes }} from 'file://{RANK}';\nconst state = {{ machine: 'm', scene: 's', error: 'surface', contacts: 'all', division: 'all', at: 0.1 }};\n"
-              f"console.log(JSON.stringify(overScenes({json.dumps(rows)}, state, (name) => name !== 'off'), (key, value) => (value === undefined ? 'absent' : value)));\n")
+    state = {"machine": "m", "scene": "s", "error": "surface", "contacts": "all", "division": "all", "at": 0.1}
+    script = (f"import {{ overScenes }} from 'file://{RANK}';\n"
+              f"const found = overScenes({json.dumps(rows)}, {json.dumps(state)}, (name) => name !== 'off');\n"
+              "console.log(JSON.stringify(found, (key, value) => (value === undefined ? 'absent' : value)));\n")
     if not shutil.which("node"):
         pytest.skip("node is missing (tools/setup nodejs): the ranking is not tried")
     found = json.loads(subprocess.run(["node", "--input-type=module", "-e", script], capture_output=True, text=True, check=True).stdout)
