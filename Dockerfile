@@ -9,7 +9,7 @@ WORKDIR /musclebench
 COPY tools/setup tools/packages.txt tools/
 RUN tools/setup
 COPY . .
-RUN tools/build release -DMUSCLEBENCH_WITH_TESTS=OFF -DMUSCLEBENCH_WITH_MICRO=OFF
+RUN tools/build release
 
 FROM debian:12
 WORKDIR /musclebench

@@ -11,13 +11,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-from musclebench.comparison.revisions import BUILD_OPTIONS
 from musclebench.options.shared import BuiltProgram, Needs, Tool
 from musclebench.program.cli import Problem, check_program, run_command
 
 TOOLS = Path(__file__).resolve().parent
 REQUIRED = ("numpy", "pandas", "scipy", "jinja2")  # without the others there are no pictures
-OPTIONS_OF_PRESET = {"release": BUILD_OPTIONS, "bench": BUILD_OPTIONS[:1]}  # the kernels are timed
 
 
 def missing_packages() -> list[str]:
@@ -32,7 +30,7 @@ def commands_of(needs: Needs) -> list[list[str]]:
         setup = [[str(TOOLS / "setup"), "--python", *needs.packages]]
     else:
         setup = []
-    build = [[str(TOOLS / "build"), needs.preset, *OPTIONS_OF_PRESET.get(needs.preset, ())]] if needs.preset else []
+    build = [[str(TOOLS / "build"), needs.preset]] if needs.preset else []
     return setup + build
 
 

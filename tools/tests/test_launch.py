@@ -20,7 +20,7 @@ HIDES = """import os, sys
 sys.modules.update(dict.fromkeys(os.environ["HIDDEN_PACKAGES"].split()))
 """
 SAYS = 'echo "$(basename "$0") $*" >>"$CALLS"; exit ${CODE:-0}'
-RELEASE = "build release -DMUSCLEBENCH_WITH_TESTS=OFF -DMUSCLEBENCH_WITH_MICRO=OFF"
+RELEASE = "build release"
 
 
 class Tree:
@@ -133,8 +133,8 @@ def test_what_the_disk_tells_is_told_before_the_build(fresh, name, words, told):
 @pytest.mark.parametrize(("name", "words", "calls"), [
     *((name, NEEDED_WORDS.get(name, ()), ["setup", RELEASE])
       for name in ("accuracy", "budget", "effects", "experiment", "hard", "moment-arms", "nightly", "paper", "safe-step")),
-    ("speed", (), ["setup", "build bench -DMUSCLEBENCH_WITH_TESTS=OFF"]),
-    ("publish", ("--quick",), ["setup", "build bench -DMUSCLEBENCH_WITH_TESTS=OFF"]),
+    ("speed", (), ["setup", "build bench"]),
+    ("publish", ("--quick",), ["setup", "build bench"]),
     ("fuzz", ("--seconds", "1"), ["setup clang", "build fuzz"]),
     ("compare", ("HEAD", "HEAD"), ["setup"]), ("mutants", (), ["setup"]),
     # What only reads results, or is told which program to run, neither installs nor builds.
@@ -186,7 +186,7 @@ def test_a_failure_to_install_ends_it(tree, code):
 
 
 @pytest.mark.parametrize(("name", "build"), [
-    ("accuracy", RELEASE), ("experiment", RELEASE), ("speed", "build bench -DMUSCLEBENCH_WITH_TESTS=OFF")])
+    ("accuracy", RELEASE), ("experiment", RELEASE), ("speed", "build bench")])
 def test_a_dry_run_builds_nothing(fresh, name, build):
     words = (*NEEDED_WORDS.get(name, ()), "--dry-run")
     done = fresh.call(name, *words)
