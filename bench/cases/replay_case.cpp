@@ -1,11 +1,13 @@
 #include "bench/cases/replay_case.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "bench/cases/answers_by_muscle.hpp"
 #include "bench/cases/build_backend.hpp"
 #include "bench/cases/replayed_frames.hpp"
 #include "core/base/huge_pages.hpp"
+#include "core/base/quantity_words.hpp"
 #include "core/base/sha256.hpp"
 #include "core/scene/prepare_simulation.hpp"
 
@@ -78,7 +80,30 @@ class Replayer {
     if (m_replay.judge && judged_pass() != m_result.contact_hash) {
       m_result.status = "nondeterministic";
       m_result.status_detail = "the two passes over the same input did not get the same contacts";
+    } else if (const std::string broken = broken_bound(); !broken.empty()) {
+      m_result.status = "suspect";
+      m_result.status_detail = broken;
     }
+  }
+
+  /// In words; empty where all answers are within what the backend declares, up to rounding.
+  [[nodiscard]] std::string broken_bound() const {
+    if (!m_result.accuracy) return "";
+    const double rounding_m = 1e-9 * scene_diagonal_m(m_replay.scene);
+    const Accuracy& found = *m_result.accuracy;
+    std::vector<std::string> broken;
+    if (found.max_missed_depth_m > m_result.declared.missed_depth_m + rounding_m) {
+      broken.push_back(fmt::format("missed a contact {} deep, and declares none deeper than {}",
+                                   in_millimetres(found.max_missed_depth_m),
+                                   in_millimetres(m_result.declared.missed_depth_m)));
+    }
+    if (found.max_false_distance_m > m_result.declared.false_distance_m + rounding_m) {
+      broken.push_back(fmt::format("found a contact {} outside, and declares none farther than {}",
+                                   in_millimetres(found.max_false_distance_m),
+                                   in_millimetres(m_result.declared.false_distance_m)));
+    }
+    if (broken.empty()) return "";
+    return fmt::format("{} {}", m_replay.backend.name, fmt::join(broken, "; it "));
   }
 
   /// Calls `look` with every frame that is replayed. Backends with state between steps are first given the step before.

@@ -23,7 +23,7 @@ struct ReplayCase : Case {
 };
 
 struct ReplayResult {
-  std::string status = "ok";  ///< ok or nondeterministic
+  std::string status = "ok";  ///< ok, suspect (answers that are off by more than is declared) or nondeterministic
   std::string status_detail;
   std::vector<ReplayRecord> records;
   std::optional<Accuracy> accuracy;           ///< over all frames

@@ -1,7 +1,8 @@
 #include "bench/python/arrays.hpp"
 
 #include <cmath>
-#include <memory>
+#include <limits>
+#include <string_view>
 
 #include <fmt/format.h>
 
@@ -93,36 +94,105 @@ py::array rows_in(std::vector<Row> rows) {
                              owner_of(kept));
 }
 
+std::string type_of(const py::handle& value) { return py::type::of(value).attr("__name__").cast<std::string>(); }
+
+bool is_scalar_of_numpy(const py::handle& value, const char* kind) {
+  return py::isinstance(value, py::module_::import("numpy").attr(kind));
+}
+
 ParameterValue value_of(const py::handle& value, const std::string& what) {
-  if (py::isinstance<py::bool_>(value)) return value.cast<bool>();
+  if (is_truth_value(value)) return py::bool_(value.attr("__bool__")()).cast<bool>();
   if (py::isinstance<py::str>(value)) return value.cast<std::string>();
-  if (PyIndex_Check(value.ptr())) return py::int_(py::reinterpret_borrow<py::object>(value)).cast<std::int64_t>();
-  if (PyFloat_Check(value.ptr())) return value.cast<double>();
-  throw InputError(what, fmt::format("has a value of type {}; give a bool, a number or a string",
-                                     py::str(py::type::of(value).attr("__name__")).cast<std::string>()));
+  if (PyFloat_Check(value.ptr()) || is_scalar_of_numpy(value, "floating")) {
+    const double number = PyFloat_AsDouble(value.ptr());
+    if (!std::isfinite(number)) throw InputError(what, fmt::format("is {}; give a finite number", number));
+    return number;
+  }
+  if (PyLong_Check(value.ptr()) || is_scalar_of_numpy(value, "integer")) return integer_of(value, what);
+  throw InputError(what, fmt::format("has a value of type {}; give a bool, a number or a string", type_of(value)));
+}
+
+/// The array that NumPy makes of it. `kinds`: of the types that are taken (numpy.dtype.kind).
+py::array array_from(const py::object& values, std::string_view kinds, const std::string& what, const char* wanted) {
+  if (py::isinstance(values, py::module_::import("numpy").attr("ma").attr("MaskedArray"))) {
+    throw InputError(what, "is a masked array, whose mask would be ignored; fill or leave out what is masked");
+  }
+  const py::array array = py::array::ensure(values);
+  if (!array) {
+    PyErr_Clear();
+    throw InputError(what, fmt::format("is no array of numbers but of type {}; give {}", type_of(values), wanted));
+  }
+  if (array.size() > 0 && kinds.find(array.dtype().kind()) == std::string_view::npos) {
+    throw InputError(
+        what, fmt::format("has elements of type {}; give {}", py::str(array.dtype()).cast<std::string>(), wanted));
+  }
+  return array;
 }
 
 }  // namespace
 
-std::span<const Vec3> points_in(const PointArray& array, const std::string& what) {
+NumberArray numbers_in(const py::object& values, const std::string& what) {
+  return NumberArray::ensure(
+      array_from(values, "fiu", what, "real numbers").attr("astype")("float64", py::arg("copy") = false));
+}
+
+IndexArray indices_in(const py::object& values, const std::string& what) {
+  const py::array array = array_from(values, "iu", what, "integers");
+  if (array.dtype().kind() == 'u' && array.itemsize() == 8 && array.size() > 0 &&
+      py::bool_(array.attr("max")().attr("__gt__")(std::numeric_limits<std::int64_t>::max()))) {
+    throw InputError(what, "has an index that is too large");
+  }
+  return IndexArray::ensure(array.attr("astype")("int64", py::arg("copy") = false));
+}
+
+std::int64_t integer_of(const py::handle& value, const std::string& what) {
+  const py::object exact = PyBool_Check(value.ptr()) || py::isinstance<py::array>(value)
+                               ? py::object()
+                               : py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+  if (!exact) {
+    PyErr_Clear();
+    throw InputError(what, fmt::format("is of type {}; give an integer", type_of(value)));
+  }
+  int is_too_large = 0;
+  const std::int64_t number = PyLong_AsLongLongAndOverflow(exact.ptr(), &is_too_large);
+  if (is_too_large != 0) throw InputError(what, fmt::format("is too large: {}", py::str(exact).cast<std::string>()));
+  return number;
+}
+
+bool is_truth_value(const py::handle& value) {
+  return py::isinstance<py::bool_>(value) || is_scalar_of_numpy(value, "bool_");
+}
+
+bool can_be_asked(const Vec3& point) { return (point.array().abs() <= farthest_m).all(); }
+
+std::span<const Vec3> points_in(const NumberArray& array, const std::string& what) {
   require_rows_of_three(array, what);
   return {reinterpret_cast<const Vec3*>(array.data()), static_cast<std::size_t>(array.shape(0))};
 }
 
-TriangleMesh mesh_of(const PointArray& vertices, const TriangleArray& triangles, const std::string& what) {
-  const std::span<const Vec3> points = points_in(vertices, what + ": vertices");
-  require_rows_of_three(triangles, what + ": triangles");
+TriangleMesh mesh_of(const py::object& vertices, const py::object& triangles, const std::string& what) {
+  const NumberArray coordinates = numbers_in(vertices, what + ": vertices");
+  const IndexArray indices = indices_in(triangles, what + ": triangles");
+  const std::span<const Vec3> points = points_in(coordinates, what + ": vertices");
+  require_rows_of_three(indices, what + ": triangles");
   TriangleMesh mesh{{points.begin(), points.end()}, {}};
-  const auto* first = reinterpret_cast<const Triangle*>(triangles.data());
-  mesh.triangles.assign(first, first + triangles.shape(0));
-  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    if (!mesh.vertices[i].allFinite()) throw InputError(what, fmt::format("vertex {} is not finite; leave it out", i));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!points[i].allFinite()) throw InputError(what, fmt::format("vertex {} is not finite; leave it out", i));
+    if (!can_be_asked(points[i])) {
+      throw InputError(what,
+                       fmt::format("vertex {} is farther than {:g} m from the origin; give metres", i, farthest_m));
+    }
   }
-  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    for (const int vertex : mesh.triangles[i]) {
-      if (vertex >= 0 && vertex < std::ssize(mesh.vertices)) continue;
-      throw InputError(what, fmt::format("triangle {} names vertex {}, and there are 0 to {}", i, vertex,
-                                         std::ssize(mesh.vertices) - 1));
+  const auto at = indices.unchecked<2>();
+  for (py::ssize_t i = 0; i < indices.shape(0); ++i) {
+    Triangle& triangle = mesh.triangles.emplace_back();
+    for (int corner = 0; corner < 3; ++corner) {
+      const std::int64_t vertex = at(i, corner);
+      if (vertex < 0 || vertex >= std::ssize(points)) {
+        throw InputError(
+            what, fmt::format("triangle {} names vertex {}, and there are 0 to {}", i, vertex, std::ssize(points) - 1));
+      }
+      triangle[static_cast<std::size_t>(corner)] = static_cast<int>(vertex);
     }
   }
   return mesh;
@@ -162,7 +232,7 @@ py::array_t<double> matrices_of(std::span<const RigidMotion> poses) {
   return matrices;
 }
 
-std::vector<RigidMotion> poses_of(const PointArray& matrices, std::size_t bones) {
+std::vector<RigidMotion> poses_of(const NumberArray& matrices, std::size_t bones) {
   if (matrices.ndim() != 3 || matrices.shape(0) != static_cast<py::ssize_t>(bones) || matrices.shape(1) != 4 ||
       matrices.shape(2) != 4) {
     throw InputError("poses", fmt::format("has the shape {}; give one matrix a bone, of shape ({}, 4, 4)",
@@ -181,10 +251,11 @@ std::vector<RigidMotion> poses_of(const PointArray& matrices, std::size_t bones)
                           rotation.determinant() > 0 && poses[bone].translation_m.allFinite() && at(i, 3, 0) == 0 &&
                           at(i, 3, 1) == 0 && at(i, 3, 2) == 0 && at(i, 3, 3) == 1;
     if (!is_rigid) {
-      throw InputError("poses",
-                       fmt::format("matrix {} is no rigid motion; give a rotation, a translation in metres and "
-                                   "the last row 0 0 0 1",
-                                   bone));
+      throw InputError(
+          "poses",
+          fmt::format("matrix {} is no rigid motion to 1e-9; give a rotation in float64, a translation in metres and "
+                      "the last row 0 0 0 1",
+                      bone));
     }
   }
   return poses;

@@ -1,3 +1,4 @@
+#include <chrono>
 #include <exception>
 #include <filesystem>
 #include <mutex>
@@ -41,12 +42,13 @@ class Watched {
 
   void show(int done) {
     m_progress.show(done);
-    if (is_interrupted()) std::rethrow_exception(m_interruption);
+    look(std::chrono::milliseconds(100));
+    rethrow();
   }
-  /// The same for work that asks and then ends by itself.
+  /// For work that asks within what it times, and then ends by itself. Another thread of Python may keep the
+  /// interpreter for 5 ms, so it seldom looks.
   bool is_interrupted() {
-    const py::gil_scoped_acquire lock;
-    if (!m_interruption && PyErr_CheckSignals() != 0) m_interruption = std::make_exception_ptr(py::error_already_set());
+    look(std::chrono::seconds(1));
     return m_interruption != nullptr;
   }
   void rethrow() const {
@@ -54,7 +56,17 @@ class Watched {
   }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
+  void look(Clock::duration after) {
+    if (m_interruption || Clock::now() - m_last_look < after) return;
+    const py::gil_scoped_acquire lock;
+    if (PyErr_CheckSignals() != 0) m_interruption = std::make_exception_ptr(py::error_already_set());
+    m_last_look = Clock::now();
+  }
+
   Progress m_progress;
+  Clock::time_point m_last_look = Clock::now();
   std::exception_ptr m_interruption;
 };
 
@@ -71,11 +83,7 @@ class KeptWarnings {
   std::vector<SceneWarning> m_kept;
 };
 
-/// Both throw InputError.
-void require_threads(int threads) {
-  if (const std::string why = refusal_of_threads(threads); !why.empty()) throw InputError("threads", why);
-}
-
+/// Throws InputError.
 std::vector<int> frames_of(const Scene& scene, std::vector<int> frames) {
   std::ranges::sort(frames);
   if (!frames.empty() && (frames.front() < 0 || frames.back() > scene.loop.frames)) {
@@ -85,17 +93,24 @@ std::vector<int> frames_of(const Scene& scene, std::vector<int> frames) {
   return frames;
 }
 
-void require_room(const fs::path& out, const Case& resolved, std::string_view mode, bool force) {
+/// What a backend in Python does stands in no case: its results are never those of the same case.
+void require_room(const fs::path& out, const Case& resolved, const ChosenBackend& chosen, std::string_view mode,
+                  bool force) {
   if (!force) require_no_other_case(out, resolved, mode);
+  if (!force && chosen.is_python && fs::exists(out / "run.json")) {
+    throw InputError(out.string(),
+                     "holds a result, and a backend in Python may have changed since; give force=True, or "
+                     "another folder");
+  }
   require_writable(out);
 }
 
-std::string run(LoadedScene& loaded, const py::object& backend, const py::dict& parameters, const fs::path& out,
+std::string run(LoadedScene& loaded, const py::object& backend, const py::object& parameters, const fs::path& out,
                 const CaseChoice& choice, std::vector<int> snapshots, bool judge, bool forces, bool force) {
   require_threads(choice.threads);
   const ChosenBackend chosen = choose_backend(backend, parameters);
   const py::gil_scoped_release unlocked;
-  const std::scoped_lock lock(loaded.in_use);
+  const std::unique_lock<InUse> lock = wait_for(loaded.in_use);
   Scene& scene = loaded.scene;
   const KeptWarnings of_the_scene(scene);
   RunCase what{resolve_case(scene, *chosen.entry, chosen.parameters, choice)};
@@ -106,7 +121,7 @@ std::string run(LoadedScene& loaded, const py::object& backend, const py::dict& 
   what.judges_wishes = !scene.wanted.own_values.empty();
   what.snapshots = frames_of(scene, std::move(snapshots));
   what.forces = forces;
-  require_room(out, what, "coupled", force);
+  require_room(out, what, chosen, "coupled", force);
   Watched watched(fmt::format("{} {}", scene.name, chosen.entry->name), scene.loop.frames);
   RunResult result = run_case(
       what, [&](int done) { watched.show(done); }, {}, [&] { return watched.is_interrupted(); });
@@ -116,13 +131,13 @@ std::string run(LoadedScene& loaded, const py::object& backend, const py::dict& 
   return result.status;
 }
 
-void record(LoadedScene& loaded, const fs::path& out, const py::object& backend, const py::dict& parameters,
+void record(LoadedScene& loaded, const fs::path& out, const py::object& backend, const py::object& parameters,
             const CaseChoice& choice) {
   require_threads(choice.threads);
   const ChosenBackend chosen = backend.is_none() ? choose_backend(py::str(exact_backend().name), parameters)
                                                  : choose_backend(backend, parameters);
   const py::gil_scoped_release unlocked;
-  const std::scoped_lock lock(loaded.in_use);
+  const std::unique_lock<InUse> lock = wait_for(loaded.in_use);
   const Scene& scene = loaded.scene;
   if (!loaded.choice.effect_overrides.empty()) {
     throw InputError("effects", "a recording does not tell changed effects; write them into a scene file");
@@ -141,7 +156,7 @@ void record(LoadedScene& loaded, const fs::path& out, const py::object& backend,
   writer.finish();
 }
 
-std::string replay(const fs::path& recording, const py::object& backend, const py::dict& parameters,
+std::string replay(const fs::path& recording, const py::object& backend, const py::object& parameters,
                    const fs::path& out, const CaseChoice& choice, const std::string& data, int stride, bool judge,
                    bool force) {
   require_threads(choice.threads);
@@ -154,22 +169,26 @@ std::string replay(const fs::path& recording, const py::object& backend, const p
   if (stride < 1) throw InputError("stride", fmt::format("is {}; give at least 1", stride));
   what.stride = stride;
   what.judge = judge;
-  require_room(out, what, "replay", force);
+  require_room(out, what, chosen, "replay", force);
   Watched watched(fmt::format("replay {} {}", scene.name, chosen.entry->name), replayed_frames(what, header));
   const ReplayResult result = replay_case(what, reader, [&](int done) { watched.show(done); });
   write_replay(out, what, result, header, recording);
   return result.status;
 }
 
-std::string probe_points(LoadedScene& loaded, const py::object& backend, const py::dict& parameters,
+std::string probe_points(LoadedScene& loaded, const py::object& backend, const py::object& parameters,
                          const fs::path& out, const CaseChoice& choice, int points, bool force) {
   require_threads(choice.threads);
   const ChosenBackend chosen = choose_backend(backend, parameters);
   const py::gil_scoped_release unlocked;
-  const std::scoped_lock lock(loaded.in_use);
-  if (points < 1) throw InputError("points", fmt::format("are {}; give at least 1", points));
+  const std::unique_lock<InUse> lock = wait_for(loaded.in_use);
+  constexpr int most_points = 100'000'000;
+  if (points < 1 || points > most_points / static_cast<int>(loaded.scene.bones.size())) {
+    throw InputError("points",
+                     fmt::format("are {}; give at least 1, and at most {} over all bones", points, most_points));
+  }
   ProbeCase what{{loaded.scene, *chosen.entry, chosen.parameters, choice.threads}, points};
-  require_room(out, what, "probe", force);
+  require_room(out, what, chosen, "probe", force);
   Watched watched(fmt::format("probe {} {}", loaded.scene.name, chosen.entry->name),
                   points * static_cast<int>(loaded.scene.bones.size()));
   const ProbeResult result = probe(what, [&](int done) { watched.show(done); });
@@ -182,36 +201,35 @@ std::string probe_points(LoadedScene& loaded, const py::object& backend, const p
 void bind_cases(py::module_& module) {
   module.def(
       "run",
-      [](LoadedScene& scene, const py::object& backend, const fs::path& out, const py::dict& parameters, int threads,
+      [](LoadedScene& scene, const py::object& backend, const fs::path& out, const py::object& parameters, int threads,
          const std::string& response, const std::vector<std::string>& colliders, std::vector<int> snapshots, bool judge,
          bool forces, bool force) {
         return run(scene, backend, parameters, out, {response, colliders, threads}, std::move(snapshots), judge, forces,
                    force);
       },
-      "scene"_a, "backend"_a, "out"_a, "parameters"_a = py::dict(), py::kw_only(), "threads"_a = 1, "response"_a = "",
+      "scene"_a, "backend"_a, "out"_a, "parameters"_a = py::none(), py::kw_only(), "threads"_a = 1, "response"_a = "",
       "colliders"_a = std::vector<std::string>{}, "snapshots"_a = std::vector<int>{}, "judge"_a = true,
       "forces"_a = false, "force"_a = false, "Runs a scene into the result folder `out`; returns the status.");
   module.def(
       "record",
-      [](LoadedScene& scene, const fs::path& out, const py::object& backend, const py::dict& parameters, int threads) {
-        record(scene, out, backend, parameters, {.threads = threads});
-      },
-      "scene"_a, "out"_a, "backend"_a = py::none(), "parameters"_a = py::dict(), py::kw_only(), "threads"_a = 1,
+      [](LoadedScene& scene, const fs::path& out, const py::object& backend, const py::object& parameters,
+         int threads) { record(scene, out, backend, parameters, {.threads = threads}); },
+      "scene"_a, "out"_a, "backend"_a = py::none(), "parameters"_a = py::none(), py::kw_only(), "threads"_a = 1,
       "Runs a scene and stores the input of every collision step in a file.");
   module.def(
       "replay",
-      [](const fs::path& recording, const py::object& backend, const fs::path& out, const py::dict& parameters,
+      [](const fs::path& recording, const py::object& backend, const fs::path& out, const py::object& parameters,
          int threads, const std::string& data, int stride, bool judge, bool force) {
         return replay(recording, backend, parameters, out, {.threads = threads}, data, stride, judge, force);
       },
-      "recording"_a, "backend"_a, "out"_a, "parameters"_a = py::dict(), py::kw_only(), "threads"_a = 1, "data"_a = "",
+      "recording"_a, "backend"_a, "out"_a, "parameters"_a = py::none(), py::kw_only(), "threads"_a = 1, "data"_a = "",
       "stride"_a = 1, "judge"_a = true, "force"_a = false, "Feeds a recording to a backend; returns the status.");
   module.def(
       "probe",
-      [](LoadedScene& scene, const py::object& backend, const fs::path& out, const py::dict& parameters, int threads,
+      [](LoadedScene& scene, const py::object& backend, const fs::path& out, const py::object& parameters, int threads,
          int points,
          bool force) { return probe_points(scene, backend, parameters, out, {.threads = threads}, points, force); },
-      "scene"_a, "backend"_a, "out"_a, "parameters"_a = py::dict(), py::kw_only(), "threads"_a = 1, "points"_a = 20000,
+      "scene"_a, "backend"_a, "out"_a, "parameters"_a = py::none(), py::kw_only(), "threads"_a = 1, "points"_a = 20000,
       "force"_a = false, "Asks a backend about points around each bone; returns the status.");
 }
 

@@ -20,6 +20,8 @@ using namespace pybind11::literals;
 
 namespace {
 
+constexpr int most_fibres = 100'000;
+
 /// `{"friction": {"coefficient": 0.3}, "volume": False}`.
 std::vector<EffectOverride> changed_effects(const py::dict& effects) {
   std::vector<EffectOverride> changes;
@@ -28,8 +30,8 @@ std::vector<EffectOverride> changed_effects(const py::dict& effects) {
     change.location = "effects." + change.name;
     if (py::isinstance<py::dict>(value)) {
       change.values = values_of(value.cast<py::dict>(), change.location);
-    } else if (py::isinstance<py::bool_>(value)) {
-      change.is_removed = !value.cast<bool>();
+    } else if (is_truth_value(value)) {
+      change.is_removed = !py::bool_(value.attr("__bool__")()).cast<bool>();
     } else {
       throw InputError(change.location, "has to be True, False or a dict of parameters");
     }
@@ -41,16 +43,24 @@ std::vector<EffectOverride> changed_effects(const py::dict& effects) {
 std::shared_ptr<LoadedScene> open_scene(const std::filesystem::path& scene, const std::string& preset,
                                         const std::optional<std::filesystem::path>& data, const py::dict& loop,
                                         const py::dict& motion, const py::dict& meshes, const py::dict& effects,
-                                        int fibres) {
+                                        const py::object& fibres) {
   SceneChoice choice;
-  choice.scene = scene.string();
+  // Recordings name it, and the working folder may change.
+  choice.scene =
+      scene.extension() == ".toml" ? std::filesystem::absolute(scene).lexically_normal().string() : scene.string();
   choice.preset = preset;
   if (data) choice.data = data->string();
   choice.loop_overrides = values_of(loop, "loop");
   choice.motion_overrides = values_of(motion, "motion");
   choice.mesh_overrides = values_of(meshes, "meshes");
   choice.effect_overrides = changed_effects(effects);
-  if (fibres >= 0) choice.fibres = {fibres, "fibres"};
+  if (!fibres.is_none()) {
+    const std::int64_t count = integer_of(fibres, "fibres");
+    if (count < 0 || count > most_fibres) {
+      throw InputError("fibres", fmt::format("are {}; give 0 to {}", count, most_fibres));
+    }
+    choice.fibres = {static_cast<int>(count), "fibres"};
+  }
   const py::gil_scoped_release unlocked;
   auto loaded = std::make_shared<LoadedScene>(std::move(choice));
   require_named_effects(loaded->scene, "a scene in Python");
@@ -83,7 +93,7 @@ void bind_scene(py::module_& module) {
   py::class_<Bone, std::shared_ptr<Bone>>(
       module, "Bone",
       "A rigid bone: a repaired surface in its rest frame, in metres, outwards and closed where it can be.")
-      .def(py::init([](const std::string& name, const PointArray& vertices, const TriangleArray& triangles) {
+      .def(py::init([](const std::string& name, const py::object& vertices, const py::object& triangles) {
              auto bone = std::make_shared<Bone>();
              bone->name = name;
              bone->surface = repair_mesh(mesh_of(vertices, triangles, "bone '" + name + "'"), name);
@@ -166,7 +176,7 @@ void bind_scene(py::module_& module) {
 
   module.def("load_scene", &open_scene, "scene"_a, py::kw_only(), "preset"_a = "", "data"_a = py::none(),
              "loop"_a = py::dict(), "motion"_a = py::dict(), "meshes"_a = py::dict(), "effects"_a = py::dict(),
-             "fibres"_a = -1, "See musclebench.load_scene.");
+             "fibres"_a = py::none(), "See musclebench.load_scene.");
 }
 
 }  // namespace musclebench

@@ -15,8 +15,8 @@ struct ChosenBackend {
   bool is_python = false;
 };
 
-/// `backend`: a name of the table, or an object of Python that is a backend (see python_backend.hpp). Throws
-/// InputError.
-ChosenBackend choose_backend(const pybind11::object& backend, const pybind11::dict& parameters);
+/// `backend`: a name of the table, or an object of Python that is a backend (see python_backend.hpp). `parameters`: a
+/// dict or nothing. Throws InputError.
+ChosenBackend choose_backend(const pybind11::object& backend, const pybind11::object& parameters);
 
 }  // namespace musclebench

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -28,39 +29,63 @@ KeptObject keep(py::object object) {
           }};
 }
 
+/// Nothing where there is none. What a property of that name raises goes on.
+std::optional<py::object> find_attribute(const py::object& of, const char* name) {
+  py::object found = py::reinterpret_steal<py::object>(PyObject_GetAttrString(of.ptr(), name));
+  if (found) return found;
+  if (PyErr_ExceptionMatches(PyExc_AttributeError) == 0) throw py::error_already_set();
+  PyErr_Clear();
+  return std::nullopt;
+}
+
 py::object attribute(const py::object& of, const char* name, const std::string& where, const char* cure) {
-  if (!py::hasattr(of, name)) throw InputError(where, fmt::format("has no {}; {}", name, cure));
-  return of.attr(name);
+  if (auto found = find_attribute(of, name)) return *found;
+  throw InputError(where, fmt::format("has no {}; {}", name, cure));
+}
+
+double length_of(const py::handle& value, const std::string& where) {
+  const double length_m = PyBool_Check(value.ptr()) ? -1.0 : PyFloat_AsDouble(value.ptr());
+  if (PyErr_Occurred() != nullptr) {
+    PyErr_Clear();
+    throw InputError(where, "bound_m is no length in metres, and no pair of them");
+  }
+  if (!(length_m >= 0)) throw InputError(where, "bound_m has to be at least 0 m");
+  return length_m;
 }
 
 AnswerBound bound_of(const py::object& structure, const std::string& where) {
   const py::object bound = attribute(structure, "bound_m", where, "say how far an answer may be off, in metres");
-  AnswerBound declared;
-  try {
-    if (py::isinstance<py::sequence>(bound)) {
-      const auto [missed_m, false_m] = bound.cast<std::pair<double, double>>();
-      declared = {missed_m, false_m};
-    } else {
-      declared = {bound.cast<double>(), bound.cast<double>()};
-    }
-  } catch (const py::cast_error&) {
-    throw InputError(where, "bound_m is no length in metres, and no pair of them");
+  if (py::isinstance<py::str>(bound) || PySequence_Size(bound.ptr()) < 0) {  // a number has no length
+    PyErr_Clear();
+    const double both_m = length_of(bound, where);
+    return {both_m, both_m};
   }
-  if (!(declared.missed_depth_m >= 0 && declared.false_distance_m >= 0)) {
-    throw InputError(where, "bound_m has to be at least 0 m");
-  }
-  return declared;
+  const auto pair = bound.cast<py::sequence>();
+  if (pair.size() != 2) throw InputError(where, "bound_m is no length in metres, and no pair of them");
+  return {length_of(py::object(pair[0]), where), length_of(py::object(pair[1]), where)};
+}
+
+std::size_t bytes_of(const py::object& structure, const std::string& where) {
+  const std::optional<py::object> told = find_attribute(structure, "bytes");
+  const std::int64_t bytes = told ? integer_of(*told, where + ": bytes") : 0;
+  if (bytes < 0) throw InputError(where, fmt::format("has {} bytes; give at least 0", bytes));
+  return static_cast<std::size_t>(bytes);
 }
 
 /// What `detect` of Python returned, checked.
 class PythonAnswer {
  public:
   PythonAnswer(const py::object& answer, std::size_t points, const std::string& where) : m_where(where) {
-    try {
-      const auto parts = answer.cast<std::tuple<Indices, Depths, PointArray>>();
-      std::tie(m_indices, m_depths, m_normals) = parts;
-    } catch (const py::cast_error&) {
-      refuse("is no tuple of three arrays: int64 indices, depths_m, normals");
+    if (!py::isinstance<py::sequence>(answer) || py::len(answer) != 3) {
+      refuse("is no tuple of three arrays: indices, depths_m, normals");
+    }
+    const auto parts = answer.cast<py::sequence>();
+    m_indices = indices_in(parts[0], m_where + ": indices");
+    m_depths = numbers_in(parts[1], m_where + ": depths_m");
+    m_normals = numbers_in(parts[2], m_where + ": normals");
+    if (m_indices.size() == 0 && m_depths.size() == 0 && m_normals.size() == 0) {
+      m_indices = IndexArray(0);
+      return;
     }
     if (m_indices.ndim() != 1 || m_depths.ndim() != 1 || m_depths.shape(0) != size() ||
         std::ssize(points_in(m_normals, m_where + ": normals")) != size()) {
@@ -75,9 +100,6 @@ class PythonAnswer {
   [[nodiscard]] const Vec3& normal(py::ssize_t i) const { return reinterpret_cast<const Vec3*>(m_normals.data())[i]; }
 
  private:
-  using Indices = py::array_t<std::int64_t, py::array::c_style>;
-  using Depths = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
   [[noreturn]] void refuse(const std::string& problem) const { throw InputError(m_where, "its answer " + problem); }
 
   void check(py::ssize_t i, std::int64_t points) const {
@@ -94,9 +116,9 @@ class PythonAnswer {
   }
 
   std::string m_where;
-  Indices m_indices;
-  Depths m_depths;
-  PointArray m_normals;
+  IndexArray m_indices;
+  NumberArray m_depths;
+  NumberArray m_normals;
 };
 
 /// Over one bone.
@@ -105,7 +127,7 @@ class PythonStructure final : public BoneStructure {
   PythonStructure(py::object structure, std::string where)
       : m_where(std::move(where)),
         m_bound(bound_of(structure, m_where)),
-        m_bytes(py::hasattr(structure, "bytes") ? structure.attr("bytes").cast<std::size_t>() : 0),
+        m_bytes(bytes_of(structure, m_where)),
         m_structure(keep(std::move(structure))) {}
 
   [[nodiscard]] AnswerBound answer_bound() const override { return m_bound; }
@@ -176,8 +198,9 @@ BackendEntry python_backend_entry(const py::object& method) {
   entry.implementation = py::str(attribute(method, "implementation", where, cure)).cast<std::string>() + " (in Python)";
   attribute(method, "build", where, "write build(name, vertices, triangles)");
   entry.help = "a backend in Python";
-  if (py::hasattr(method, "parameters")) {
-    for (const auto& [name, value] : values_of(method.attr("parameters").cast<py::dict>(), where)) {
+  if (const std::optional<py::object> told = find_attribute(method, "parameters")) {
+    if (!py::isinstance<py::dict>(*told)) throw InputError(where, "has parameters that are no dict");
+    for (const auto& [name, value] : values_of(told->cast<py::dict>(), where)) {
       entry.parameters.push_back(specification(name, value));
     }
   }
@@ -191,7 +214,9 @@ BackendEntry python_backend_entry(const py::object& method) {
   return entry;
 }
 
-ChosenBackend choose_backend(const py::object& backend, const py::dict& parameters) {
+ChosenBackend choose_backend(const py::object& backend, const py::object& given) {
+  if (!given.is_none() && !py::isinstance<py::dict>(given)) throw InputError("parameters", "are no dict");
+  const py::dict parameters = given.is_none() ? py::dict() : given.cast<py::dict>();
   ChosenBackend chosen{nullptr, Parameters({}, {}, ""), !py::isinstance<py::str>(backend)};
   if (chosen.is_python) {
     if (!parameters.empty()) {

@@ -36,7 +36,8 @@ constexpr ManifestKey of_run_and_replay(std::string_view name, std::string_view 
 constexpr auto own_keys = std::to_array<ManifestKey>({
     everywhere("schema_version", "", "version of columns and keys"),
     everywhere("status", "",
-               "ok, suspect (an outcome is beyond its limit), diverged, interrupted, nondeterministic, unsupported"),
+               "ok, suspect (an outcome is beyond its limit, or an answer off by more than is declared), diverged, "
+               "interrupted, nondeterministic, unsupported"),
     everywhere("status_detail", "", "why it is not ok"),
     everywhere("run_id", "", "hash of the resolved case, the inputs and the build"),
     everywhere("title", "", "of the scene"),

@@ -1,5 +1,6 @@
 #include "bench/cases/replay_case.hpp"
 
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -115,6 +116,66 @@ TEST_F(ReplayOfKeptFrames, TheFirstOfThoseReplayedAreWarmUp) {
   EXPECT_EQ(warm_up_of_replay(1), (std::vector<bool>{true, false}));
   EXPECT_EQ(warm_up_of_replay(2), (std::vector<bool>{true, true}));
   EXPECT_EQ(warm_up_of_replay(1, 2), (std::vector<bool>{true}));
+}
+
+/// Answers about every node the same, and declares `bound`.
+class Stubborn final : public CollisionBackend {
+ public:
+  Stubborn(AnswerBound bound, bool finds) : m_bound(bound), m_finds(finds) {}
+
+  [[nodiscard]] Capabilities capabilities() const override { return {}; }
+  [[nodiscard]] AnswerBound answer_bound(int /*bone*/) const override { return m_bound; }
+  [[nodiscard]] std::size_t structure_bytes() const override { return 0; }
+
+ private:
+  void do_build() override {}
+  void do_detect(std::span<const Vec3> /*positions*/, std::span<const int> nodes,
+                 std::vector<Contact>& contacts) override {
+    for (const int node : nodes) {
+      if (m_finds) contacts.push_back({node, 0, 0.001, Vec3::UnitX()});
+    }
+  }
+
+  AnswerBound m_bound;
+  bool m_finds;
+};
+
+/// A replay of one step, in which all nodes lie at `share` of the ball's radius.
+ReplayResult replay_of_ball(double share, AnswerBound bound, bool finds) {
+  const TriangleMesh ball = make_sphere(0.1, 1);
+  Scene scene;
+  scene.bones.push_back({"ball", {ball, true, {}}});
+  scene.add_muscle("muscle", ball);
+  const std::vector<int> nodes{0, 1, 2, 3};
+  KeptFrames frames(static_cast<int>(ball.vertices.size()), nodes);
+  std::vector<Vec3> positions = ball.vertices;
+  for (Vec3& position : positions) position *= share;
+  const std::vector<RigidMotion> poses(1);
+  frames.begin_frame(1, 0);
+  frames.before_detection({positions, poses, positions, poses});
+  const BackendEntry entry{.name = "stubborn", .help = "", .make = [&](const Parameters& /*none*/) {
+                             return std::make_unique<Stubborn>(bound, finds);
+                           }};
+  return replay_case({{scene, entry, Parameters({}, {}, entry.name)}}, frames, [](int /*done*/) {});
+}
+
+TEST(Replay, IsSuspectWhereAnAnswerIsOffByMoreThanIsDeclared) {
+  const ReplayResult missed = replay_of_ball(0.5, {0.01, 0.01}, false);
+  EXPECT_EQ(missed.status, "suspect");
+  EXPECT_NE(missed.status_detail.find("stubborn missed a contact "), std::string::npos) << missed.status_detail;
+  EXPECT_NE(missed.status_detail.find("declares none deeper than 10 mm"), std::string::npos) << missed.status_detail;
+  const ReplayResult false_one = replay_of_ball(1.5, {0.01, 0.01}, true);
+  EXPECT_EQ(false_one.status, "suspect");
+  EXPECT_NE(false_one.status_detail.find("declares none farther than 10 mm"), std::string::npos)
+      << false_one.status_detail;
+}
+
+TEST(Replay, IsOkWhereTheBackendDeclaresSoMuchOrNothing) {
+  const double unknown_m = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(replay_of_ball(0.5, {0.06, 0}, false).status, "ok");
+  EXPECT_EQ(replay_of_ball(0.5, {unknown_m, unknown_m}, false).status, "ok");
+  EXPECT_EQ(replay_of_ball(1.5, {0, 0.06}, true).status, "ok");
+  EXPECT_EQ(replay_of_ball(1.5, {0, 0}, false).status, "ok");
 }
 
 }  // namespace

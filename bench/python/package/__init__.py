@@ -61,11 +61,11 @@ class SceneWarning(UserWarning):
 
 def load_scene(scene: str | Path, *, preset: str = "", data: str | Path | None = None, loop: dict[str, Any] | None = None,
                motion: dict[str, Any] | None = None, meshes: dict[str, Any] | None = None,
-               effects: dict[str, Any] | None = None, fibres: int = -1) -> Scene:
+               effects: dict[str, Any] | None = None, fibres: int | None = None) -> Scene:
     """Loads a scene: a name that `musclebench list` prints, or the path of a .toml file. Warns of what is odd about it.
 
     data: folder of the anatomical data (default: $MUSCLEBENCH_DATA). loop, motion, meshes: values over the scene's. effects: by
-    name True, False (not this one) or a dict of parameters. fibres: to follow in each muscle, for lengths and moment arms (-1:
+    name True, False (not this one) or a dict of parameters. fibres: to follow in each muscle, for lengths and moment arms (None:
     as the scene says). Raises InputError."""
     loaded = native.load_scene(scene, preset=preset, data=data, loop=loop or {}, motion=motion or {}, meshes=meshes or {},
                                effects=effects or {}, fibres=fibres)
@@ -84,7 +84,7 @@ def run(scene: Scene, backend: str | object, parameters: dict[str, Any] | None =
     Returns a Run: status, frames (a data frame, a row a frame), record (run.json), and pairs, muscles, fibres, forces where
     the scene has them. A status that is not "ok" is explained in record["status_detail"]. Raises InputError."""
     with _Folder(out) as folder:
-        native.run(scene, backend, folder.path, parameters or {}, threads=threads, response=response, colliders=list(colliders),
+        native.run(scene, backend, folder.path, parameters, threads=threads, response=response, colliders=list(colliders),
                    snapshots=list(snapshots), judge=judge, forces=forces, force=force)
         done = folder.read()
     told = done.record.get("forces", {})
@@ -100,19 +100,19 @@ def record(scene: Scene, out: str | Path, backend: str | object | None = None, p
            threads: int = 1) -> Path:
     """Runs a scene and stores the input of every collision step in the file `out`, for `replay`. backend: None is an exact one.
     Raises InputError; RuntimeError where the run diverges."""
-    native.record(scene, Path(out), backend, parameters or {}, threads=threads)
+    native.record(scene, Path(out), backend, parameters, threads=threads)
     return Path(out)
 
 
 def replay(recording: str | Path, backend: str | object, parameters: dict[str, Any] | None = None, *,
-           out: str | Path | None = None, threads: int = 1, data: str | Path = "", stride: int = 1, judge: bool = True,
+           out: str | Path | None = None, threads: int = 1, data: str | Path | None = None, stride: int = 1, judge: bool = True,
            force: bool = False) -> Run:
     """Feeds a recording to a backend, and measures its time and its errors against the truth at the same positions.
 
     stride: every so many-th frame. data: folder of the anatomical data. Otherwise as `run`; record["accuracy"] and
     record["surface_offset"] have the errors over all frames."""
     with _Folder(out) as folder:
-        native.replay(Path(recording), backend, folder.path, parameters or {}, threads=threads, data=str(data), stride=stride,
+        native.replay(Path(recording), backend, folder.path, parameters, threads=threads, data="" if data is None else str(data), stride=stride,
                       judge=judge, force=force)
         return folder.read()
 
@@ -123,7 +123,7 @@ def probe(scene: Scene, backend: str | object, parameters: dict[str, Any] | None
     and points on the wrong side."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "probe"
-        if native.probe(scene, backend, out, parameters or {}, threads=threads, points=points) != "ok":
+        if native.probe(scene, backend, out, parameters, threads=threads, points=points) != "ok":
             raise UnsupportedInput(json.loads((out / "run.json").read_text())["status_detail"])
         return pandas.read_csv(out / "probe.csv")
 
@@ -133,7 +133,7 @@ class _Folder:
 
     def __init__(self, out: str | Path | None):
         self.kept = tempfile.TemporaryDirectory() if out is None else None
-        self.path = Path(self.kept.name) / "run" if self.kept else Path(out or "")
+        self.path = Path(self.kept.name) / "run" if self.kept else Path(str(out))
 
     def __enter__(self) -> "_Folder":
         return self

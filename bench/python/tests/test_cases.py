@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 
 import ball_on_box
+import numpy as np
 import pytest
 
 import musclebench
@@ -90,6 +91,8 @@ def test_a_result_without_a_folder_goes_with_the_run(scene):
     (lambda scene, out: musclebench.load_scene("synthetic/iliacus", effects={"frictio": True}), "did you mean 'friction'"),
     (lambda scene, out: musclebench.load_scene("synthetic/iliacus", effects={"friction": 1}), "True, False or a dict"),
     (lambda scene, out: musclebench.load_scene("synthetic/iliacus", loop={"frame": 1}), "did you mean 'frames'"),
+    (lambda scene, out: musclebench.load_scene("synthetic/iliacus", loop={"frames": np.array(10.9)}), "type ndarray"),
+    (lambda scene, out: musclebench.load_scene("synthetic/iliacus", fibres=-5), "are -5; give 0 to"),
     (lambda scene, out: scene.poses(13), "is not within 0 (rest) and 12"),
     (lambda scene, out: musclebench.run(scene, "bvh", snapshots=[13]), "frame 13 is not within 0 (rest) and 12"),
     (lambda scene, out: musclebench.run(scene, "bvh", threads=0), "give at least 1"),
@@ -104,6 +107,46 @@ def test_bad_input_is_one_line_with_a_cure(call, words, scene, tmp_path):
         call(scene, tmp_path)
     assert words in str(refused.value) and "\n" not in str(refused.value)
     assert not [path for path in tmp_path.iterdir() if path.is_file()]
+
+
+def test_numbers_of_numpy_are_numbers(scene_file):
+    scene = musclebench.load_scene(scene_file, loop={"time_step_s": np.float32(0.0015), "frames": np.int64(5)}, effects={"volume": np.False_})
+    assert scene.loop["time_step_s"] == np.float32(0.0015) and scene.frames == 5 and "volume" not in scene.effects
+
+
+def test_a_recording_finds_its_scene_from_another_folder(scene_file, tmp_path, monkeypatch):
+    monkeypatch.chdir(scene_file.parent)
+    musclebench.record(musclebench.load_scene("scene.toml"), tmp_path / "steps")
+    monkeypatch.chdir(tmp_path)
+    assert musclebench.replay("steps", "bvh").status == "ok"
+
+
+FORKED = """
+import multiprocessing, sys, musclebench
+scene = musclebench.load_scene(sys.argv[1])
+tree = musclebench.Backend("bvh", scene, threads=2)
+tree.locate(scene.nodes)
+def work():
+    for call in (lambda: tree.locate(scene.nodes), lambda: musclebench.run(scene, "bvh", threads=2)):
+        try:
+            call()
+        except musclebench.InputError as error:
+            print(error, flush=True)
+    print(musclebench.run(scene, "bvh"), flush=True)
+if __name__ == "__main__":
+    child = multiprocessing.get_context("fork").Process(target=work)
+    child.start()
+    child.join(30)
+    print(child.exitcode, flush=True)
+    child.kill()
+"""
+
+
+@pytest.mark.skipif(os.cpu_count() == 1, reason="one core has no second thread")
+def test_a_forked_process_has_one_thread(scene_file):
+    done = subprocess.run([sys.executable, "-W", "ignore", "-c", FORKED, scene_file], capture_output=True, text=True, timeout=120)
+    lines = done.stdout.splitlines()
+    assert len(lines) == 4 and "spawn" in lines[0] and "spawn" in lines[1] and lines[2].startswith("Run(") and lines[3] == "0", done
 
 
 def test_a_scene_that_leaves_its_effects_to_trials_is_refused(scene_file, tmp_path):

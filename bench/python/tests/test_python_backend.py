@@ -1,7 +1,11 @@
 """A backend in Python: exact where it can be, marked in results, and refused where its answers don't fit."""
 
 import re
+import signal
+import subprocess
+import sys
 import textwrap
+import time
 from types import SimpleNamespace
 
 import numpy as np
@@ -61,6 +65,17 @@ def test_the_judge_holds_it_to_its_bound(scene, tmp_path):
     assert probed["wrong_side"].max() == 0 and probed["max_error_m"].max() < 1e-12
 
 
+@pytest.mark.parametrize("answer, words", [
+    (lambda points: (np.array([], dtype=int), np.array([]), np.zeros((0, 3))), "missed a contact"),
+    (lambda points: (np.arange(len(points)), np.full(len(points), 0.1), np.tile(UP, (len(points), 1))), "found a contact"),
+])
+def test_the_judge_sees_a_broken_bound(answer, words, scene, tmp_path):
+    recording = musclebench.record(scene, tmp_path / "steps")
+    replay = musclebench.replay(recording, answering(None, detect=answer))
+    assert replay.status == "suspect" and words in replay.record["status_detail"]
+    assert "declares none" in replay.record["status_detail"]
+
+
 def example() -> object:
     """The backend that the docstring of the module shows, in at most 20 lines."""
     code = textwrap.dedent(re.search(r"^    class .*", musclebench.__doc__, re.S | re.M).group())
@@ -98,7 +113,9 @@ ONE = np.array([0])
 @pytest.mark.parametrize("answer, words", [
     (None, "is no tuple of three arrays"),
     ((ONE, np.array([0.1])), "is no tuple of three arrays"),
-    ((np.array([0.0]), np.array([0.1]), UP), "is no tuple of three arrays: int64 indices"),
+    ((np.array([0.0]), np.array([0.1]), UP), "indices: has elements of type float64; give integers"),
+    ((np.array([True]), np.array([0.1]), UP), "indices: has elements of type bool; give integers"),
+    ((ONE, np.array(["0.1"]), UP), "depths_m: has elements of type <U3; give real numbers"),
     ((ONE, np.array([0.1, 0.2]), UP), "arrays of different lengths"),
     ((ONE, np.array([0.1]), np.vstack([UP, UP])), "arrays of different lengths"),
     ((ONE, np.array([0.1]), UP[0]), "give an array of shape (n, 3)"),
@@ -123,6 +140,10 @@ def test_an_answer_that_does_not_fit_is_refused(answer, words, ball):
     ({"bound_m": -1.0}, "bound_m has to be at least 0 m"),
     ({"bound_m": float("nan")}, "bound_m has to be at least 0 m"),
     ({"bound_m": "wide"}, "bound_m is no length"),
+    ({"bound_m": True}, "bound_m has to be at least 0 m"),
+    ({"bound_m": (1.0, 2.0, 3.0)}, "no pair of them"),
+    ({"bytes": -1}, "has -1 bytes"),
+    ({"bytes": 1.5}, "bytes: is of type float; give an integer"),
 ])
 def test_a_bound_that_is_none_is_refused(change, words, ball):
     with pytest.raises(musclebench.InputError, match=words):
@@ -154,6 +175,71 @@ def test_its_own_error_comes_out_of_a_run_and_nothing_is_written(scene, tmp_path
         musclebench.run(scene, answering(None, detect=fail), out=tmp_path / "out")
     assert not list(tmp_path.iterdir())
     assert musclebench.run(scene, "bvh").status  # the scene is as it was
+
+
+def test_no_contacts_are_three_empty_lists(ball):
+    backend = musclebench.Backend(answering(([], [], []), bound_m=np.array(0.1)), [musclebench.Bone("ball", *ball)])
+    assert len(backend.detect(np.zeros((2, 3)))) == 0 and backend.bound() == (0.1, 0.1)
+
+
+def test_it_may_not_ask_itself(scene):
+    def ask(points):
+        return backend.detect(points)
+
+    backend = musclebench.Backend(answering(None, detect=ask), scene)
+    for _ in range(2):
+        with pytest.raises(musclebench.InputError, match="mine: is asked while it answers"):
+            backend.detect(np.zeros((5, 3)))
+
+
+def test_its_results_are_never_those_of_an_earlier_one(scene, tmp_path):
+    musclebench.run(scene, Box(), out=tmp_path / "out")
+    with pytest.raises(musclebench.InputError, match="may have changed since"):
+        musclebench.run(scene, Box(), out=tmp_path / "out")
+    musclebench.run(scene, Box(), out=tmp_path / "out", force=True)
+
+
+def test_what_a_property_raises_is_told(scene):
+    class Broken(Box):
+        @property
+        def name(self):
+            raise KeyError("mine")
+
+    with pytest.raises(KeyError, match="mine"):
+        musclebench.Backend(Broken(), scene)
+
+
+def test_two_scenes_that_wait_for_each_other_end_with_ctrl_c(scene_file):
+    waiting = subprocess.Popen([sys.executable, "-c", TWO_SCENES, str(scene_file)], stdout=subprocess.PIPE, text=True)
+    assert waiting.stdout and waiting.stdout.readline() == "ready\n"
+    time.sleep(1.5)
+    waiting.send_signal(signal.SIGINT)
+    assert waiting.communicate(timeout=20)[0] == "interrupted\n"
+
+
+TWO_SCENES = """
+import os, sys, threading, time, musclebench, numpy as np
+scenes = [musclebench.load_scene(sys.argv[1]) for _ in range(2)]
+trees = [musclebench.Backend("bvh", scene) for scene in scenes]
+class Asks:
+    name, implementation, bound_m = "asks", "asks 1, MIT", 1.0
+    def __init__(self, other):
+        self.other = other
+    def build(self, *mesh):
+        return self
+    def detect(self, points):
+        time.sleep(0.5)
+        self.other.detect(points)
+        return [], [], []
+asking = [musclebench.Backend(Asks(other), scene) for scene, other in zip(scenes, trees[::-1])]
+threading.Thread(target=asking[1].detect, daemon=True).start()
+print("ready", flush=True)
+try:
+    asking[0].detect()
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+os._exit(0)
+"""
 
 
 def test_it_may_keep_its_points(scene):

@@ -80,6 +80,18 @@ def test_points_that_are_no_numbers_have_no_contact_and_no_distance(bone):
     assert np.isnan(backend.locate(points)["signed_distance_m"]).tolist() == [False, True, True]
 
 
+@pytest.mark.parametrize("name", backends())
+def test_nothing_is_inside_from_afar(name, bone):
+    """Rounding would give a far point either side, and a ray that is none ends a library's program."""
+    try:
+        backend = musclebench.Backend(name, [bone])
+        located = backend.locate([[1e20, 0, 0], [-1e12, 1e12, 1e12], [1e300, 1e300, 1e300], [1e8, -2e8, 3e8]])
+    except musclebench.UnsupportedInput:
+        return
+    assert np.isnan(located["signed_distance_m"][:3]).all() and not located["signed_distance_m"][3] < 0
+    assert len(backend.detect([[1e12, 0, 0], [1e8, -2e8, 3e8]])) == 0
+
+
 def test_poses_move_the_bone(scene):
     backend = musclebench.Backend("bvh", scene)
     poses = scene.poses(scene.frames)
@@ -108,6 +120,10 @@ def test_other_arrays_are_converted(bone, points):
     backend = musclebench.Backend("bvh", [bone])
     expected = backend.detect(points)
     assert (backend.detect(points.tolist()) == expected).all()
+    assert (backend.detect(np.asfortranarray(points)) == expected).all()
+    unaligned = np.frombuffer(b"x" + points.tobytes(), dtype=np.uint8)[1:].view("V24").view(np.float64).reshape(-1, 3)
+    assert (backend.detect(unaligned) == expected).all()
+    assert len(backend.detect(np.zeros((0, 3)))) == 0
     wide = np.zeros((len(points), 6))
     wide[:, ::2] = points
     assert (backend.detect(wide[:, ::2]) == expected).all()
@@ -156,6 +172,19 @@ def test_two_threads_ask_one_backend(bone, points):
     (lambda bone: musclebench.Backend("bvh", [bone]).detect(np.zeros((1, 3)), 2 * np.eye(4)[None]), "no rigid motion"),
     (lambda bone: musclebench.Backend("bvh", [bone]).locate(np.zeros((1, 3)), "bal"), "there are 0 to 0: ball"),
     (lambda bone: musclebench.Backend("bvh", [bone]).locate(np.zeros((1, 3)), -1), "-1 is none of them"),
+    (lambda bone: musclebench.Backend("sdf", [bone], {"cells": 2**70}), "parameters (sdf).cells: is too large"),
+    (lambda bone: musclebench.Backend("sdf", [bone], {"cells": np.array(32.9)}), "type ndarray; give a bool"),
+    (lambda bone: musclebench.Backend("sdf", [bone], {"cells": float("nan")}), "is nan; give a finite number"),
+    (lambda bone: musclebench.Backend("bvh", ["femur"]), "no Bone"),
+    (lambda bone: musclebench.Backend("bvh", [bone], [1]), "parameters: are no dict"),
+    (lambda bone: musclebench.Backend("bvh", [bone]).detect(1j * np.ones((3, 3))), "type complex128; give real numbers"),
+    (lambda bone: musclebench.Backend("bvh", [bone]).detect([["a", "b", "c"]]), "give real numbers"),
+    (lambda bone: musclebench.Backend("bvh", [bone]).detect(np.ma.masked_array(np.ones((3, 3)))), "masked array"),
+    (lambda bone: musclebench.Backend("bvh", [bone]).locate(np.zeros((1, 3)), np.array(0.9)), "type ndarray; give an integer"),
+    (lambda bone: musclebench.Backend("bvh", [bone]).locate(np.zeros((1, 3)), 2**70), "bone: is too large"),
+    (lambda bone: musclebench.Bone("b", [[0, 0, 0]], [[0, 0, 0.9]]), "triangles: has elements of type float64; give integers"),
+    (lambda bone: musclebench.Bone("b", [[0, 0, 0]], np.array([[0, 0, 2**32]])), "triangle 0 names vertex 4294967296"),
+    (lambda bone: musclebench.Bone("b", [[0, 0, 1e20]], [[0, 0, 0]]), "vertex 0 is farther than 1e+09 m"),
     (lambda bone: musclebench.Bone("b", [[0, 0, 0]], [[0, 0, 1]]), "triangle 0 names vertex 1, and there are 0 to 0"),
     (lambda bone: musclebench.Bone("b", [[0, 0, np.nan]], [[0, 0, 0]]), "vertex 0 is not finite"),
 ])
