@@ -2,7 +2,7 @@
 import { addressed, writeAddress } from "./address.js";
 import { startChart } from "./charts.js";
 import { choiceOf } from "./choice.js";
-import { EXACT_MM, ERRORS, asked, canWin, errorAt, frontOf, overScenes, ranking, stepAt } from "./rank.js";
+import { EXACT_MM, ERRORS, asked, canWin, errorAt, frontOf, overScenes, ranking, stepAt, unknownOf } from "./rank.js";
 import { rowsOf } from "./rows.js";
 import { escaped, figure } from "./words.js";
 
@@ -72,6 +72,7 @@ class Board {
     Object.assign(row, {
       on_front: isOnFront, is_wrong: row.why_not !== null, is_control: false, is_substitute: row.error === null,
       structure_mb: row.structure_bytes === null ? null : row.structure_bytes / 1e6,
+      why_unknown: row.is_open && this.state.error === "surface" ? unknownOf([row], this.state) : null,
       error_words: row.error === null ? "unknown" : `${figure(row.error)} ${about.unit}`,
     });
   }
@@ -101,7 +102,7 @@ class Board {
     const cannot = shown.filter((row) => !canWin(row) && !unable.some((one) => one.backend === row.backend));
     this.parts.unable.innerHTML = [
       ...unable.map(({ backend, why, error: off }) => [this.choice.name(backend), off === null ? why : `${why} ${figure(off)} ${about.unit}`]),
-      ...cannot.map((row) => [nameOf(row), row.why_not ?? "this error of it was not measured"]),
+      ...cannot.map((row) => [nameOf(row), row.why_not ?? unknownOf([row], this.state)]),
     ].map(([name, why]) => `<li>${escaped(name)}: ${escaped(why)}</li>`).join("");
   }
 

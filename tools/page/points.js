@@ -69,7 +69,7 @@ function tellOf(spec, row, exact, exactWords) {
   return [row.spoken ?? row.configuration, `${spec.x.title}: ${figure(row[spec.x.column])}${interval}`, `${spec.y.title}: ${error}`,
     ...Object.entries(spec.hover).map(([column, title]) => `${title}: ${figure(row[column])}`),
     ...(row.is_wrong ? [row.why_not ?? "answers wrongly"] : []),
-    ...(row.is_substitute ? ["can't be asked about single points"] : []), ...(row.on_front && !row.is_substitute ? ["on the Pareto front"] : [])];
+    ...(row.is_substitute ? [row.why_unknown ?? "can't be asked about single points"] : []), ...(row.on_front && !row.is_substitute ? ["on the Pareto front"] : [])];
 }
 
 function frontOf(sorted, heights, spec) {

@@ -44,7 +44,7 @@ export function ranking(rows, state) {
     is_tied: index > 0 && !(row.time_ms_low > first.time_ms_high),
   }));
   const others = [...new Set(rows.map((row) => row.backend))].filter((name) => !best.has(name));
-  return { ranked, unable: others.map((backend) => ({ backend, ...whyNone(rows.filter((row) => row.backend === backend)) })) };
+  return { ranked, unable: others.map((backend) => ({ backend, ...whyNone(rows.filter((row) => row.backend === backend), state) })) };
 }
 
 // Of each scene and each backend that has a ranking there, the time over that of the first: {scenes: [{scene, machine}], lines:
@@ -73,10 +73,14 @@ export function paysAfter(row, holding) {
     : Math.ceil((1e3 * (row.build_s - other.build_s)) / (other.time_ms - row.time_ms)))));
 }
 
-function whyNone(rows) {
+// Why an error is not known.
+export const unknownOf = (rows, state) => state.error === "surface" && rows.some((row) => row.is_open)
+  ? "its surface is farther away than was searched" : "this error of it was not measured";
+
+function whyNone(rows, state) {
   const able = rows.filter(canWin);
   if (able.length) return { why: "its most accurate setting is off by", error: Math.min(...able.map((row) => row.error)) };
-  return { why: rows.find((row) => row.why_not !== null)?.why_not ?? "this error of it was not measured", error: null };
+  return { why: rows.find((row) => row.why_not !== null)?.why_not ?? unknownOf(rows, state), error: null };
 }
 
 // Rows than which none that can win is both faster and at least as accurate.

@@ -4,6 +4,7 @@ import copy
 import re
 from dataclasses import replace
 
+import pandas as pd
 import pytest
 
 import board as board_tool
@@ -85,7 +86,8 @@ def test_other_questions_are_grey_whatever_their_date(published):
     ours, strange = measured_on(made(published), "2026-01-01"), measured_on(made(published, queries_hash="f" * 16), "2026-02-01", "B")
     assert board_rows([ours, strange])["is_old"].tolist() == [False, True] and board_rows([strange, ours])["is_old"].tolist() == [False, True]
     assert board_rows([strange, ours], [ours.rows])["is_old"].tolist() == [True, False]
-    assert not board_rows([ours, published])["is_old"].any()  # of before there were hashes: nobody knows what was asked
+    before = Bundle(published.header, published.rows.assign(queries_hash="", contact_hash=""))
+    assert not board_rows([ours, before])["is_old"].any()  # of before there were hashes: nobody knows what was asked
     rows = board_rows([ours, strange])
     assert rows["division"].tolist() == ["closed", "open"] and rows["why_not"].tolist() == ["", "it answers other questions than the scene asks now"]
 
@@ -143,6 +145,16 @@ def registry_of() -> Registry:
     """Of a program without FCL."""
     known = fake_registry.registry()
     return replace(known, backends=tuple(one for one in known.backends if one.name != "fcl"), scenes=(SceneEntry("synthetic/iliacus"),))
+
+
+def test_an_offset_at_the_end_of_the_search_is_none(published):
+    def told(**values):
+        return board_rows([made(published, offset_mm=5.0, sites=200, ridge_mm=7.0, flat_mm=4.0, **values)]).iloc[0]
+
+    known, few, many = told(open_sites=0), told(open_sites=2), told(open_sites=3)
+    assert known[["offset_mm", "ridge_mm", "flat_mm"]].tolist() == [5.0, 7.0, 4.0] and not known["is_open"]
+    assert few[["offset_mm", "flat_mm"]].tolist() == [5.0, 4.0] and pd.isna(few["ridge_mm"]) and not few["is_open"]
+    assert many[["offset_mm", "ridge_mm", "flat_mm"]].isna().all() and many["is_open"]
 
 
 # The site

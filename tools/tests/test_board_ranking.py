@@ -44,6 +44,13 @@ def test_the_cheapest_setting_that_holds_the_error_is_first():
     assert ranked(rows, division="closed")["ranked"] == []
 
 
+def test_what_was_searched_in_vain_says_so():
+    rows = [row("near", 1.0, 0.0), row("far", 0.5, None, is_open=1, arm_mm=None), row("mute", 0.5, None)]
+    why = {one["backend"]: one["why"] for one in ranked(rows, at=100)["unable"]}
+    assert why == {"far": "its surface is farther away than was searched", "mute": "this error of it was not measured"}
+    assert {one["why"] for one in ranked(rows, error="arm")["unable"]} == {"this error of it was not measured"}
+
+
 def test_all_scenes_stand_side_by_side():
     rows = [row("grid 64", 1.0, 0.09), row("tree", 2.0, 0.0), row("grid 64", 4.0, 0.5, scene="t"), row("tree", 3.0, 0.0, scene="t"),
             row("late", 30.0, 0.01, scene="t"), row("tree", 1.0, 0.0, scene="u", machine="n"), row("wrong", 0.1, 5.0), row("off", 0.1, 0.0)]

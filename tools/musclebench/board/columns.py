@@ -43,6 +43,7 @@ COLUMNS = (
     Column("offset_mm", "number", "surface offset: how far its surface is from the true one, 99th percentile over contacts"),
     *(Column(f"{kind}_mm", "number", f"surface offset of contacts of this difficulty: {TITLES[kind]}") for kind in TITLES),
     Column("sites", "count", "places of contact at which the surface offset was measured"),
+    Column("open_sites", "count", "of them, places where its surface is farther away than was searched: there it is off by more than is told"),
     Column("true_contacts", "count", "by the Referee, over all frames that were judged"),
     Column("missed_mm", "number", "depth of the deepest contact that it missed"),
     Column("false_mm", "number", "distance of the farthest node that it found wrongly"),
@@ -67,4 +68,5 @@ TEXTS = tuple(column.name for column in COLUMNS if column.kind in ("name", "text
 NUMBERS = tuple(column.name for column in COLUMNS if column.kind in ("count", "number"))
 FLAGS = tuple(column.name for column in COLUMNS if column.kind == "flag")
 # What computing the answers again tells, too.
-JUDGED = ("sites", "true_contacts", "offset_mm", *(f"{kind}_mm" for kind in TITLES), "missed_mm", "false_mm", "declared_missed_mm", "declared_false_mm")
+JUDGED = ("sites", "open_sites", "true_contacts", "offset_mm", *(f"{kind}_mm" for kind in TITLES), "missed_mm", "false_mm",
+          "declared_missed_mm", "declared_false_mm")

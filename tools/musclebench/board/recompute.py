@@ -113,7 +113,8 @@ def _answers(run: Told) -> Told:
     kinds = {told["difficulty"]: 1e3 * number(told, "p99_offset_m") for told in (run.get("surface_offset") or {}).get("of_difficulties", []) if told["sites"]}
     return {
         "queries_hash": run["queries_hash"], "contact_hash": run["contact_hash"],
-        "sites": number(run, "surface_offset", "sites"), "true_contacts": number(run, "accuracy", "true_contacts"),
+        "sites": number(run, "surface_offset", "sites"), "open_sites": number(run, "surface_offset", "open_sites"),
+        "true_contacts": number(run, "accuracy", "true_contacts"),
         "offset_mm": 1e3 * number(run, "surface_offset", "p99_offset_m"), **{f"{kind}_mm": kinds.get(kind, float("nan")) for kind in TITLES},
         "missed_mm": 1e3 * number(run, "accuracy", "max_missed_depth_m"), "false_mm": 1e3 * number(run, "accuracy", "max_false_distance_m"),
         "declared_missed_mm": 1e3 * number(run, "declared", "missed_depth_m"), "declared_false_mm": 1e3 * number(run, "declared", "false_distance_m"),

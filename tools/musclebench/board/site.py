@@ -120,7 +120,7 @@ def _write(folder: Path, rows: pd.DataFrame, bundles: Sequence[Bundle], hard: Se
     template = template_engine().get_template("board.html.j2")
     made = datetime.now(timezone.utc).strftime("%Y-%m-%d")
     told = {"made": made, "sources": [bundle.header["title"] for bundle in bundles], "looks": looks_of(bundles)}
-    csv = rows.drop(columns=["title", "refutation"]).astype({flag: int for flag in (*FLAGS, "is_old")}).to_csv(index=False, quoting=QUOTE_NONNUMERIC)
+    csv = rows.drop(columns=["title", "refutation"]).astype({flag: int for flag in (*FLAGS, "is_old", "is_open")}).to_csv(index=False, quoting=QUOTE_NONNUMERIC)
     for page in _pages(rows, bundles, hard, csv):
         path = folder / page.path
         path.parent.mkdir(exist_ok=True)

@@ -8,12 +8,14 @@ import pandas as pd
 
 from ..accuracy.front import EXACT_MM
 from ..results.status import MEASURED
+from ..tables.difficulties import TITLES
 from .bundle import Bundle, Told
 from .columns import JUDGED, NUMBERS
 from .project_scenes import is_of_project
 
 KEY = ["scene", "backend", "parameters", "threads", "stride"]  # names are words; these decide the answers
 FEWEST_CONTACTS = 100
+OPEN_SHARE = 0.01  # an offset is the 99th percentile
 LARGEST_BOUND_MM = 5.0  # of the closed division
 SAME = 1e-9  # figures that were computed alike, relative
 VERIFIED, CLAIMED, REFUTED, UNHASHED, OTHER = "verified", "claimed", "refuted", "claimed, no hash", "claimed, other version"
@@ -27,10 +29,19 @@ def board_rows(bundles: Sequence[Bundle], recomputed: Sequence[pd.DataFrame] = (
     questions = _questions(answers, told)
     for row in told:
         row["bound"] = _bound(row)
+        row |= _within_search(row)
         row["is_old"] = bool(row["queries_hash"]) and questions.get((row["scene"], row["stride"])) != row["queries_hash"]
         row["why_not"] = _why_not(row)
         row["division"] = "closed" if _is_closed(row) else "open"
     return pd.DataFrame(told)
+
+
+def _within_search(row: Told) -> Told:
+    """Where a backend's surface is farther away than was searched, an offset is the end of the search and no figure. Such places have
+    the largest offsets, so a percentile that they reach is above all others."""
+    is_open = bool(row["open_sites"] > OPEN_SHARE * row["sites"])
+    reached = [f"{kind}_mm" for kind in TITLES if row["open_sites"] > 0 and (is_open or row[f"{kind}_mm"] > row["offset_mm"])]
+    return {"is_open": is_open} | dict.fromkeys([*reached, *(["offset_mm"] if is_open else [])], float("nan"))
 
 
 def machines_of(bundles: Sequence[Bundle]) -> list[str]:

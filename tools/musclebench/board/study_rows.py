@@ -11,7 +11,7 @@ from ..tables.difficulties import TITLES
 from .columns import FLAGS, NAMES, TEXTS
 
 SAME = ("scene", "backend", "configuration", "spoken", "parameters", "threads", "series", "fineness", "status", "detail", "verdict", "stride", "frames",
-        "build_s", "structure_bytes", "is_disturbed", "sites", "true_contacts", "queries_hash",
+        "build_s", "structure_bytes", "is_disturbed", "sites", "open_sites", "true_contacts", "queries_hash",
         "contact_hash")
 RENAMED = {"ok_repetitions": "repetitions", "collision_ms": "time_ms", "collision_ms_low": "time_ms_low", "collision_ms_high": "time_ms_high"}
 MILLIMETRES = {"p99_offset_m": "offset_mm", "max_missed_depth_m": "missed_mm",
