@@ -13,6 +13,10 @@ import ball_on_box  # noqa: E402  (found through the path that is set above)
 import musclebench  # noqa: E402
 
 
+def pytest_configure(config):
+    config.addinivalue_line("markers", "long: `tools/test` leaves it out, too, unless it is told --all")
+
+
 @pytest.fixture(scope="session")
 def program() -> str:
     return os.environ["MUSCLEBENCH_BINARY"]

@@ -171,6 +171,7 @@ def test_the_catalogue_is_the_programs(program):
     assert musclebench.catalogue() == listed
 
 
+@pytest.mark.long
 def test_types_are_those_of_the_stubs(tmp_path):
     pytest.importorskip("mypy")
     package = Path(musclebench.__file__).parent

@@ -11,6 +11,7 @@ from conftest import PROJECT
 EXAMPLES = PROJECT / "datasets/examples"
 
 
+@pytest.mark.long
 def test_the_notebook_draws_what_accuracy_costs(tmp_path):
     pytest.importorskip("nbconvert")
     pytest.importorskip("ipykernel")
