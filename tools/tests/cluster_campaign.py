@@ -13,6 +13,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tempfile
 import time
 from collections import Counter
 from contextlib import ExitStack, contextmanager
@@ -164,8 +165,8 @@ def main(arguments=None) -> int:
     with ExitStack() as node:
         ways = {"snakemake": (snakemake, os.environ | {"HOME": str(folder)})}
         if options.by != "snakemake":
-            (folder / "node").mkdir()
-            ways["slurm"] = (slurm, node.enter_context(one_node(folder / "node")))
+            short = Path(node.enter_context(tempfile.TemporaryDirectory()))  # a socket's path has at most 107 characters
+            ways["slurm"] = (slurm, node.enter_context(one_node(short)))
         for name, (way, environment) in ways.items():
             if options.by not in (name, "both"):
                 continue

@@ -69,7 +69,7 @@ def one_node(folder: Path):
 def wait_for_jobs(environment: dict, seconds: float) -> None:
     deadline = time.monotonic() + seconds
     while _said(["squeue", "-h"], environment).strip():
-        if time.monotonic() > deadline:
+        if time.monotonic() > deadline or "held" in _said(["squeue", "-h", "-o", "%r"], environment):
             raise RuntimeError(f"jobs do not end: {_said(['squeue'], environment)}")
         time.sleep(0.5)
 
