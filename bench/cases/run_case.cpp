@@ -445,6 +445,17 @@ class CaseRunner {
 
 }  // namespace
 
+std::vector<SceneWarning> warnings_of_run(const RunCase& run) {
+  std::vector<SceneWarning> warnings;
+  for (std::string& line : effects_without_contacts(run.scene, run.backend, run.parameters, run.colliders)) {
+    warnings.push_back({"no_contacts", std::move(line)});
+  }
+  if (!run.judge && !run.scene.wanted.own_values.empty()) {
+    warnings.push_back({"wanted", "what is wanted is not looked at: the run is not judged"});
+  }
+  return warnings;
+}
+
 bool pulls_fibres(const Scene& scene) {
   return std::ranges::any_of(scene.effects, [](const SceneEffect& effect) {
     return effect.name == "activation" || (effect.name == "fibre_force" && effect.parameters.number("level") > 0);

@@ -88,6 +88,10 @@ struct RunResult {
   std::vector<RecordedStep> last_steps = {};
 };
 
+/// What a reader of the run should know beside the warnings of its scene: effects that wait for contacts that its
+/// backends do not find, and wishes that nobody judges.
+std::vector<SceneWarning> warnings_of_run(const RunCase& run);
+
 /// Whether an effect of the scene keeps its fibres under tension.
 bool pulls_fibres(const Scene& scene);
 

@@ -192,15 +192,10 @@ int run(RunOptions options) {
   RunCase run_of{
       resolve_case(scene, backend, parameters,
                    {options.backend.response, options.backend.colliders, options.backend.threads, options.repetition})};
-  for (const std::string& line : effects_without_contacts(scene, backend, parameters, run_of.colliders)) {
-    print_warnings(scene.name, {{"no_contacts", line}});
-    scene.warnings.push_back({"no_contacts", line});
-  }
   run_of.judge = !options.unjudged;
-  if (options.unjudged && !scene.wanted.own_values.empty()) {
-    scene.warnings.push_back({"wanted", "what is wanted is not looked at: --no-referee leaves the run unjudged"});
-    print_warnings(scene.name, {scene.warnings.back()});
-  }
+  const std::vector<SceneWarning> added = warnings_of_run(run_of);
+  print_warnings(scene.name, added);
+  scene.warnings.insert(scene.warnings.end(), added.begin(), added.end());
   run_of.judges_wishes = !scene.wanted.own_values.empty();
   run_of.snapshots = options.snapshots;
   run_of.count_self_intersections = options.self_intersections;

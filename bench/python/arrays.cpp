@@ -129,11 +129,15 @@ py::array array_from(const py::object& values, std::string_view kinds, const std
   return array;
 }
 
+/// Row after row and aligned, as C++ reads it: the same array where it is so already.
+py::array in_rows(const py::array& array, const char* type) {
+  return py::module_::import("numpy").attr("require")(array, type, "CA");
+}
+
 }  // namespace
 
 NumberArray numbers_in(const py::object& values, const std::string& what) {
-  return NumberArray::ensure(
-      array_from(values, "fiu", what, "real numbers").attr("astype")("float64", py::arg("copy") = false));
+  return in_rows(array_from(values, "fiu", what, "real numbers"), "float64");
 }
 
 IndexArray indices_in(const py::object& values, const std::string& what) {
@@ -142,7 +146,7 @@ IndexArray indices_in(const py::object& values, const std::string& what) {
       py::bool_(array.attr("max")().attr("__gt__")(std::numeric_limits<std::int64_t>::max()))) {
     throw InputError(what, "has an index that is too large");
   }
-  return IndexArray::ensure(array.attr("astype")("int64", py::arg("copy") = false));
+  return in_rows(array, "int64");
 }
 
 std::int64_t integer_of(const py::handle& value, const std::string& what) {

@@ -28,7 +28,7 @@ IndexArray indices_in(const pybind11::object& values, const std::string& what);
 /// The rows of an array of shape (n, 3), where they are. Throws InputError that names `what` for another shape.
 std::span<const Vec3> points_in(const NumberArray& array, const std::string& what);
 
-/// Backends square coordinates, some in single precision: farther than this, in metres, nothing is asked.
+/// Backends square coordinates, some in single precision: farther than this, in metres, no distance is asked for.
 constexpr double farthest_m = 1e9;
 /// Finite, and no farther than that.
 bool can_be_asked(const Vec3& point);

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <filesystem>
+#include <iterator>
 #include <mutex>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
@@ -114,10 +116,8 @@ std::string run(LoadedScene& loaded, const py::object& backend, const py::object
   Scene& scene = loaded.scene;
   const KeptWarnings of_the_scene(scene);
   RunCase what{resolve_case(scene, *chosen.entry, chosen.parameters, choice)};
-  for (const std::string& line : effects_without_contacts(scene, *chosen.entry, chosen.parameters, what.colliders)) {
-    scene.warnings.push_back({"no_contacts", line});
-  }
   what.judge = judge;
+  std::ranges::move(warnings_of_run(what), std::back_inserter(scene.warnings));
   what.judges_wishes = !scene.wanted.own_values.empty();
   what.snapshots = frames_of(scene, std::move(snapshots));
   what.forces = forces;

@@ -55,6 +55,14 @@ def test_what_a_result_lacks_is_a_warning(scene, scene_file):
         musclebench.run(musclebench.load_scene(scene_file, effects={"friction": True}), "null")
 
 
+def test_a_wish_that_nobody_judges_is_a_warning(scene_file):
+    wishing = scene_file.with_name("wishing.toml")
+    wishing.write_text(scene_file.read_text() + "[wanted]\nsurface_mm = 5.0\n")
+    with pytest.warns(musclebench.SceneWarning, match="what is wanted is not looked at"):
+        run = musclebench.run(musclebench.load_scene(wishing), "bvh", judge=False)
+    assert "wanted" in [warning["rule"] for warning in run.record["warnings"]]
+
+
 def test_what_is_odd_about_a_scene_is_a_warning(tmp_path):
     ball_on_box.write_scene(tmp_path)
     text = (tmp_path / "scene.toml").read_text().replace('mesh = "ball.off"', 'mesh = "ball.off"\nunit = "mm"')
