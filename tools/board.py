@@ -11,7 +11,8 @@ from musclebench.board.made import bundle_of
 from musclebench.board.reading import read_bundle
 from musclebench.board.recompute import Limits, recompute
 from musclebench.board.site import write_site
-from musclebench.board.standing import REFUTED
+from musclebench.board.standing import REFUTED, machines_of
+from musclebench.board.summary import as_summary
 from musclebench.options.board import check, parse_arguments
 from musclebench.program.cli import Problem, run_command
 from musclebench.program.registry import read_registry
@@ -49,6 +50,7 @@ def make(options) -> int:
     (bundles, hard), (recomputed, _) = read_all(options.bundles), read_all(options.recomputed)
     if not bundles:
         raise Problem(f"{options.bundles[0]}: holds no study of accuracy; tools/accuracy measures one")
+    asked = bundles
     answers, commit = [bundle.rows for bundle in recomputed], recomputed[0].header["commit"] if recomputed else ""
     if options.recompute is not None:
         asked = read_all(options.recompute)[0] or bundles
@@ -56,6 +58,9 @@ def make(options) -> int:
         commit = json.loads(registry.text)["git"]
         answers.append(recompute(asked, options.musclebench, registry, options.data, Limits(options.longest, 60 * options.within), say))
     rows = write_site(bundles, hard, options.out, answers, commit)
+    if options.summary:
+        with options.summary.open("a", encoding="utf-8") as file:
+            file.write(as_summary(rows, [name for bundle, name in zip(bundles, machines_of(bundles)) if bundle.header in [one.header for one in asked]]))
     counts = ", ".join(f"{count} {name}" for name, count in rows["standing"].value_counts().items())
     print(f"{options.out / 'index.html'}: {len(rows)} settings of {rows['backend'].nunique()} backends on {rows['machine'].nunique()} "
           f"machine{'s' if rows['machine'].nunique() > 1 else ''}: {counts}; {(rows['why_not'] != '').sum()} are shown and can't win")

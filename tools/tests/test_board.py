@@ -16,6 +16,7 @@ from musclebench.board.looks import looks_of
 from musclebench.board.made import bundle_of
 from musclebench.board.recompute import Limits, recompute
 from musclebench.board.standing import board_rows, machines_of
+from musclebench.board.summary import as_summary
 from musclebench.program.cli import Problem
 from musclebench.program.registry import Registry, SceneEntry
 from published_bundle import ANSWERS, MEASURED, OTHERS, PUBLISHED, QUESTIONS, made
@@ -191,6 +192,16 @@ def test_what_a_stranger_writes_stays_text(published, tmp_path, no_script):
         assert 'href="javascript' not in text
 
 
+def test_a_pull_request_shows_what_it_brings_as_plain_words(published):
+    bundle = made(published, spoken="[free](https://x) <b> a|b", offset_mm=0.25, status="failed", detail="@all\n# look")
+    text = as_summary(board_rows([bundle, published]), machines_of([bundle, published])[:1])
+    heading, _, told, _, titles, _, row = text.strip().split("\n")
+    assert heading.startswith("### accuracy\\-synthetic\\: ") and heading.endswith("12.2.0") and told.startswith("1 settings: 1 claimed.")
+    cells = re.split(r"(?<!\\) *\| *", row.strip("| "))
+    assert len(cells) == titles.count(" | ") + 1 and "0.2500" in cells and "claimed" in cells
+    assert cells[1] == r"\[free\]\(https\://x\) \<b\> a\|b" and cells[-1] == r"failed\: \@all \# look"
+
+
 def test_a_strange_backend_has_a_colour_of_its_own(published):
     header = copy.deepcopy(published.header)
     for name, colour in (("mine", "#56B4E9"), ("yours", "#56B4E9"), ("theirs", "red")):
@@ -241,9 +252,12 @@ def test_the_board_takes_folders_and_tells_what_is_refuted(published, tmp_path, 
     asked = []
     monkeypatch.setattr(board_tool, "recompute", lambda bundles, *rest: asked.append(len(bundles)) or published.rows.head(0))
     monkeypatch.setattr(board_tool, "read_registry", lambda program: fake_registry.registry())
+    summary = tmp_path / "summary.md"
     for which, count in (([], 2), ([str(tmp_path / "bundles" / "theirs.zip")], 1)):
-        assert board_tool.main([*words, "--musclebench", "/bin/true", "--recompute", *which]) == 0 and asked.pop() == count
+        assert board_tool.main([*words, "--musclebench", "/bin/true", "--summary", str(summary), "--recompute", *which]) == 0 and asked.pop() == count
+    assert summary.read_text().count("### accuracy") == 3 and "| synthetic/iliacus | exact tree |" in summary.read_text()
     for wrong in ([str(tmp_path / "none")], [*words, "--recompute", str(tmp_path / "nothing.zip")],
+                  [*words, "--summary", str(tmp_path / "nowhere" / "summary.md")],
                   [*words, "--recomputed", str(tmp_path / "bundles" / "theirs.zip")], [str(tmp_path / "nothing")]):
         assert board_tool.main([*wrong, "--out", str(tmp_path / "other")]) == 2 and len(capsys.readouterr().err.splitlines()) == 1
     assert not (tmp_path / "other").exists()

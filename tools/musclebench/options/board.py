@@ -40,6 +40,7 @@ def parse_arguments(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--data", type=Path, metavar="DIR", help="LHDL data folder, to recompute lhdl/* scenes")
     parser.add_argument("--musclebench", type=Path, default=built_program("release"), metavar="PROGRAM",
                         help="program that recomputes (default: the build of preset release)")
+    parser.add_argument("--summary", type=Path, metavar="FILE", help="add tables of the recomputed bundles, else of all, to this Markdown file")
     parser.add_argument("--out", type=Path, default=DEFAULT_OUT, metavar="DIR", help=f"folder of the board (default: {DEFAULT_OUT})")
     return parser.parse_args(arguments)
 
@@ -51,6 +52,8 @@ def check(options: argparse.Namespace) -> None:
     check_data(options.data)
     check_positive("--longest", options.longest)
     check_positive("--within", options.within)
+    if options.summary and not options.summary.absolute().parent.is_dir():
+        raise Problem(f"--summary {options.summary}: its folder is not there")
     for path in options.recomputed:
         if not (path / "raw").is_dir():
             raise Problem(f"--recomputed {path}: holds no runs; only results of tools/accuracy that were made here verify a row")
