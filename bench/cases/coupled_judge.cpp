@@ -180,6 +180,7 @@ CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_
   nothing.positions = simulation.positions();
   m_budget *= budgets_at_rest;
   judge(simulation, nothing, m_at_rest, CrossingTest::always);
+  m_crossings.take_as_rest();
   m_budget /= budgets_at_rest;
   m_contact_depths = {};
 }
@@ -282,6 +283,7 @@ void CoupledJudge::judge_crossings(const Simulation& simulation, CrossingTest te
   if (test != CrossingTest::always && m_crossing_credit < m_crossing_estimate) return;
   record.crossings =
       m_crossings.count(m_referee, m_bone_vertices.muscle_tree(), simulation.bone_poses(), simulation.positions());
+  record.beyond_rest = m_crossings.beyond_rest();
   m_crossing_work = m_crossing_estimate = m_crossings.last_work();
   m_crossing_credit = 0;
   const CrossingSums sums = sums_of(m_crossings.pairs(), record.crossings);

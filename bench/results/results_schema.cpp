@@ -223,6 +223,10 @@ constexpr auto own_keys = std::to_array<ManifestKey>({
     of_run("crossings[].at_rest", "", "triangles that do before the first frame"),
     of_run("crossings[].most", "", "most in a frame that was tested; null: none was"),
     of_run("crossings[].frame", "", "the first with so many; 0: there were none"),
+    of_run(
+        "crossings[].beyond_rest", "",
+        "most in a frame without those at rest and beside these: neither one at rest nor with a node of one, or more "
+        "than these were"),
     of_run("crossings[].left_out", "",
            "triangles of the muscle that are not tested, as that bone carries one of their nodes, or bones carry all"),
     of_run("limits.*", "", "largest value with which a run is ok, see `list --json`"),

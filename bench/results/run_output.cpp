@@ -146,6 +146,7 @@ Json json_of_crossings(const Scene& scene, const RunResult& result) {
     const bool tested = i < result.outcome.crossings.size();
     one["most"] = tested ? Json(result.outcome.crossings[i].triangles) : Json(nullptr);
     one["frame"] = tested ? Json(result.outcome.crossings[i].frame) : Json(nullptr);
+    one["beyond_rest"] = tested ? Json(result.outcome.beyond_rest[i].triangles) : Json(nullptr);
     one["left_out"] = pair.left_out;
     list.push_back(one);
   }

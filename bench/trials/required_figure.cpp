@@ -95,8 +95,8 @@ class FrameFigures {
   }
 
   void add_crossings() {
-    for (std::size_t i = 0; i < m_frame.crossings.size() && i < m_rest.crossing_pairs.size(); ++i) {
-      add_crossings(m_rest.crossing_pairs[i], m_frame.crossings[i] - m_rest.crossings[i]);
+    for (std::size_t i = 0; i < m_frame.beyond_rest.size() && i < m_rest.crossing_pairs.size(); ++i) {
+      add_crossings(m_rest.crossing_pairs[i], m_frame.beyond_rest[i]);
     }
   }
 
@@ -104,7 +104,7 @@ class FrameFigures {
   void add_crossings(const CrossingPair& pair, int beyond_rest) {
     const int triangles = m_rest.muscles[static_cast<std::size_t>(pair.muscle)].triangles;
     const double allowed = m_scene.wanted.nothing_passes ? 0 : std::floor(outcome_limit("crossing_share") * triangles);
-    const double value = std::max(0, beyond_rest);
+    const double value = beyond_rest;
     const std::string of = "triangles of " + muscle(pair.muscle);
     if (pair.kind == CrossedSurface::itself) {
       add({Requirement::self_passage, value, allowed, of + " through the muscle itself"});

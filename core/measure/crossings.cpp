@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <iterator>
 #include <set>
 
 #include "core/mesh/mesh_size.hpp"
@@ -83,28 +84,65 @@ std::vector<int> CrossingMeter::count(const Referee& referee, const RefereeTree&
                                       std::span<const RigidMotion> poses, std::span<const Vec3> positions) {
   assert(poses.size() == m_bones.size() && positions.size() == m_carriers.size());
   m_work = 0;
-  std::vector<int> counts(m_pairs.size(), 0);
+  m_passing.clear();
   m_rest.resize(positions.size());
   for (int bone = 0; bone < std::ssize(m_bones); ++bone) {
     std::transform(positions.begin(), positions.end(), m_rest.begin(),
                    [&](const Vec3& point) { return poses[at_index(bone)].apply_inverse(point); });
     for (std::size_t pair = 0; pair < m_pairs.size(); ++pair) {
       if (m_pairs[pair].kind != CrossedSurface::bone || m_pairs[pair].other != bone) continue;
-      counts[pair] = count_in_bone(m_bodies[at_index(m_pairs[pair].muscle)], bone, referee.tree(bone));
+      find_in_bone(pair, referee.tree(bone));
     }
   }
-  count_in_muscles(tree, positions, counts);
+  find_in_muscles(tree, positions);
+  return counts_of_last();
+}
+
+std::vector<int> CrossingMeter::counts_of_last() const {
+  std::vector<int> counts(m_pairs.size(), 0);
+  for (const Passing& passing : m_passing) ++counts[passing.pair];
   return counts;
 }
 
-int CrossingMeter::count_in_bone(const Body& body, int bone, const RefereeTree& tree) {
-  int found = 0;
+void CrossingMeter::take_as_rest() {
+  m_at_rest = counts_of_last();
+  std::vector<std::vector<char>> has_node(m_pairs.size());
+  for (const Passing& passing : m_passing) {
+    std::vector<char>& nodes = has_node[passing.pair];
+    nodes.resize(m_carriers.size(), 0);
+    for (const int node : m_triangles[at_index(passing.triangle)]) nodes[at_index(node)] = 1;
+  }
+  m_near_at_rest.assign(m_pairs.size(), {});
+  for (std::size_t pair = 0; pair < m_pairs.size(); ++pair) {
+    if (m_at_rest[pair] == 0) continue;
+    std::vector<char>& near = m_near_at_rest[pair];
+    std::transform(m_triangles.begin(), m_triangles.end(), std::back_inserter(near), [&](const Triangle& triangle) {
+      return std::any_of(triangle.begin(), triangle.end(),
+                         [&](int node) { return has_node[pair][at_index(node)] != 0; });
+    });
+  }
+}
+
+std::vector<int> CrossingMeter::beyond_rest() const {
+  std::vector<int> beyond = counts_of_last();
+  if (m_at_rest.empty()) return beyond;
+  std::vector<int> near(m_pairs.size(), 0);
+  for (const Passing& passing : m_passing) {
+    const std::vector<char>& near_at_rest = m_near_at_rest[passing.pair];
+    if (!near_at_rest.empty()) near[passing.pair] += near_at_rest[at_index(passing.triangle)];
+  }
+  for (std::size_t pair = 0; pair < beyond.size(); ++pair) beyond[pair] -= std::min(m_at_rest[pair], near[pair]);
+  return beyond;
+}
+
+void CrossingMeter::find_in_bone(std::size_t pair, const RefereeTree& tree) {
+  const Body& body = m_bodies[at_index(m_pairs[pair].muscle)];
+  const int bone = m_pairs[pair].other;
   for (std::size_t t = body.first_triangle; t < body.last_triangle; ++t) {
-    if (is_left_out(m_triangles[t], bone)) continue;
-    found += passes_through_bone(m_triangles[t], bone, tree) ? 1 : 0;
+    if (is_left_out(m_triangles[t], bone) || !passes_through_bone(m_triangles[t], bone, tree)) continue;
+    m_passing.push_back({pair, static_cast<int>(t)});
   }
   m_work += static_cast<long>(body.last_triangle - body.first_triangle);
-  return found;
 }
 
 bool CrossingMeter::passes_through_bone(const Triangle& triangle, int bone, const RefereeTree& tree) {
@@ -122,8 +160,7 @@ bool CrossingMeter::passes_through_bone(const Triangle& triangle, int bone, cons
 }
 
 /// Each two triangles once: those of a muscle with later ones of it, and with those of later muscles.
-void CrossingMeter::count_in_muscles(const RefereeTree& tree, std::span<const Vec3> positions,
-                                     std::vector<int>& counts) {
+void CrossingMeter::find_in_muscles(const RefereeTree& tree, std::span<const Vec3> positions) {
   std::fill(m_crosses_itself.begin(), m_crosses_itself.end(), 0);
   m_in_muscles.clear();
   std::vector<char> crosses(m_bodies.size());  // each later muscle
@@ -152,12 +189,12 @@ void CrossingMeter::count_in_muscles(const RefereeTree& tree, std::span<const Ve
         m_in_muscles.push_back({near, static_cast<int>(muscle)});
       }
       for (std::size_t other = muscle + 1; other < m_bodies.size(); ++other) {
-        counts[pair_of(muscle, other)] += crosses[other];
+        if (crosses[other] != 0) m_passing.push_back({pair_of(muscle, other), static_cast<int>(t)});
       }
     }
-    const auto first = m_crosses_itself.begin() + static_cast<std::ptrdiff_t>(body.first_triangle);
-    const auto last = m_crosses_itself.begin() + static_cast<std::ptrdiff_t>(body.last_triangle);
-    counts[pair_of(muscle, muscle)] = static_cast<int>(std::count(first, last, 1));
+    for (std::size_t t = body.first_triangle; t < body.last_triangle; ++t) {
+      if (m_crosses_itself[t] != 0) m_passing.push_back({pair_of(muscle, muscle), static_cast<int>(t)});
+    }
   }
   std::sort(m_in_muscles.begin(), m_in_muscles.end());
   m_in_muscles.erase(std::unique(m_in_muscles.begin(), m_in_muscles.end()), m_in_muscles.end());

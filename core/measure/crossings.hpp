@@ -67,6 +67,14 @@ class CrossingMeter {
   std::vector<int> count(const Referee& referee, const RefereeTree& tree, std::span<const RigidMotion> poses,
                          std::span<const Vec3> positions);
 
+  /// What the last call found counts as at rest from now on.
+  void take_as_rest();
+
+  /// Of the last call, of each of `pairs()`: triangles beyond those at rest. What overlaps at rest is no excuse for
+  /// passing elsewhere: the number at rest is taken off those alone that passed at rest or share a node with one.
+  /// All of them before `take_as_rest`.
+  [[nodiscard]] std::vector<int> beyond_rest() const;
+
   /// Of the last call: triangles that pass through other muscles, of both; ascending, each once a muscle.
   [[nodiscard]] std::span<const TriangleInMuscle> in_muscles() const { return m_in_muscles; }
 
@@ -76,10 +84,17 @@ class CrossingMeter {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
+  /// A triangle that counts in a pair.
+  struct Passing {
+    std::size_t pair = 0;
+    int triangle = 0;
+  };
+
   [[nodiscard]] bool is_left_out(const Triangle& triangle, int bone) const;
-  [[nodiscard]] int count_in_bone(const Body& body, int bone, const RefereeTree& tree);
+  void find_in_bone(std::size_t pair, const RefereeTree& tree);
   [[nodiscard]] bool passes_through_bone(const Triangle& triangle, int bone, const RefereeTree& tree);
-  void count_in_muscles(const RefereeTree& tree, std::span<const Vec3> positions, std::vector<int>& counts);
+  void find_in_muscles(const RefereeTree& tree, std::span<const Vec3> positions);
+  [[nodiscard]] std::vector<int> counts_of_last() const;
   [[nodiscard]] std::size_t pair_of(std::size_t muscle, std::size_t other) const;
 
   std::vector<TriangleMesh> m_bones;
@@ -88,6 +103,9 @@ class CrossingMeter {
   std::vector<Body> m_bodies;
   std::vector<int> m_carriers;
   std::vector<CrossingPair> m_pairs;
+  std::vector<int> m_at_rest;                     // by pair; empty: nothing is known of it
+  std::vector<std::vector<char>> m_near_at_rest;  // by pair and triangle: is one at rest or beside one; empty: none is
+  std::vector<Passing> m_passing;                 // of the last call
   long m_work = 0;
   // Scratch memory.
   std::vector<Vec3> m_rest;  // nodes in the bone's frame

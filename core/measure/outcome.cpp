@@ -95,16 +95,20 @@ void add_volumes(std::span<const StepRecord> records, const MuscleAtRest& rest, 
   }
 }
 
+void raise(std::vector<MostCrossings>& most, std::span<const int> counts, const StepRecord& record) {
+  most.resize(std::max(most.size(), counts.size()));
+  for (std::size_t pair = 0; pair < counts.size(); ++pair) {
+    if (counts[pair] > most[pair].triangles) most[pair] = {counts[pair], record.frame, record.angle_deg};
+  }
+}
+
 void add_crossings(const StepRecord& record, Outcome& outcome) {
   raise(outcome.self_intersecting_triangles, record.self_intersecting_triangles);
   raise(outcome.bone_crossings, record.bone_crossings);
   raise(outcome.muscle_crossings, record.muscle_crossings);
   outcome.crossing_frames += record.crossings.empty() ? 0 : 1;
-  outcome.crossings.resize(std::max(outcome.crossings.size(), record.crossings.size()));
-  for (std::size_t pair = 0; pair < record.crossings.size(); ++pair) {
-    if (record.crossings[pair] <= outcome.crossings[pair].triangles) continue;
-    outcome.crossings[pair] = {record.crossings[pair], record.frame, record.angle_deg};
-  }
+  raise(outcome.crossings, record.crossings, record);
+  raise(outcome.beyond_rest, record.beyond_rest, record);
 }
 
 void add_crossings_at_rest(const MuscleAtRest& rest, Outcome& outcome) {

@@ -91,6 +91,7 @@ struct Outcome {
   /// The same through bones and other muscles: see StepRecord.
   std::optional<int> bone_crossings, bone_crossings_at_rest, muscle_crossings, muscle_crossings_at_rest;
   std::vector<MostCrossings> crossings;                       ///< by MuscleAtRest::crossing_pairs
+  std::vector<MostCrossings> beyond_rest;                     ///< the same of StepRecord::beyond_rest
   int crossing_frames = 0;                                    ///< that were tested for crossings
   std::optional<WorstDepth> worst_depth, worst_muscle_depth;  ///< where sizes are known and something is deep
   Moment when_volume, when_p99_stretch, when_max_stretch, when_tunnelled, when_stuck;

@@ -29,7 +29,7 @@ constexpr std::array<OutcomeLimit, 12> limits{{
      "beyond it the surface is torn, not stretched; a single longer edge is a note"},
     {{"crossing_share", "",
       "triangles of a muscle that pass through the muscle itself, through a muscle whose contact with it is not asked "
-      "for, or through a bone that encloses no volume; beyond those at rest, over all of the muscle"},
+      "for, or through a bone that encloses no volume; without those at rest and beside these, over all of the muscle"},
      0.01,
      "there is no depth to judge by: the surface is folded through itself, or nothing keeps the two apart"},
     {{"tunnelled_nodes", "", "nodes on the wrong side of a bone"}, 0, "they went through it and stay there"},
@@ -125,13 +125,13 @@ class Suspicions {
   }
 
   void check_crossings() {
-    for (std::size_t i = 0; i < m_outcome.crossings.size() && i < m_rest.crossing_pairs.size(); ++i) {
+    for (std::size_t i = 0; i < m_outcome.beyond_rest.size() && i < m_rest.crossing_pairs.size(); ++i) {
       const CrossingPair& pair = m_rest.crossing_pairs[i];
       if (pair.muscle >= std::ssize(m_rest.muscles)) continue;
       const MostCrossings& most = m_outcome.crossings[i];
-      const int beyond_rest = most.triangles - m_rest.crossings[i];
+      const MostCrossings& beyond_rest = m_outcome.beyond_rest[i];
       const auto share =
-          ratio(std::optional(beyond_rest), m_rest.muscles[static_cast<std::size_t>(pair.muscle)].triangles);
+          ratio(std::optional(beyond_rest.triangles), m_rest.muscles[static_cast<std::size_t>(pair.muscle)].triangles);
       if (has("no_passage") && most.triangles > 0) {
         m_found.push_back(fmt::format(
             "{} triangles of {} pass through {} {}, and no_passage only keeps apart what is apart before the first "
@@ -144,8 +144,8 @@ class Suspicions {
       if (what.empty()) continue;
       check("crossing_share", share, [&](double value, double limit) {
         return fmt::format("{} of the triangles of {} pass through {} {} (limit {}){}", in_percent(value),
-                           muscle_name(pair.muscle), what, words_of({most.frame, most.angle_deg}), in_percent(limit),
-                           cure_of(pair));
+                           muscle_name(pair.muscle), what, words_of({beyond_rest.frame, beyond_rest.angle_deg}),
+                           in_percent(limit), cure_of(pair));
       });
     }
   }

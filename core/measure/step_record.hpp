@@ -82,6 +82,7 @@ struct StepRecord {
   /// own muscle at the frame's end; nothing where that was not tested.
   std::optional<int> bone_crossings, muscle_crossings, self_intersecting_triangles;
   std::vector<int> crossings;         ///< the same by pair, see CrossingMeter; none: not tested
+  std::vector<int> beyond_rest;       ///< of these beyond the ones at rest, see CrossingMeter::beyond_rest
   std::vector<double> volumes_m3;     ///< of each muscle
   std::vector<MuscleRecord> muscles;  ///< of each of several; none for one
   std::vector<PairRecord> pairs;      ///< of several muscles

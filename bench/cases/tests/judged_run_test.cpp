@@ -140,9 +140,9 @@ TEST(JudgedRun, ABackendThatMissesMoreThanItDeclaresIsSuspect) {
   EXPECT_EQ(coarse.status, "ok") << coarse.status_detail;
 }
 
-/// Two muscles in contact, above each other, that fly towards each other.
+/// Two muscles above each other that fly towards each other.
 RunResult collided(const TriangleMesh& lower, const TriangleMesh& upper, double speed_m_per_s, double time_step_s,
-                   int frames) {
+                   int frames, bool touch = true) {
   SceneRequest request;
   request.name = request.file = "test.toml";
   request.text = fmt::format(R"(
@@ -165,9 +165,9 @@ name = "upper"
 mesh = "synthetic:upper"
 velocity_m_per_s = [0, 0, {}]
 [contact]
-muscle_contact = true
+muscle_contact = {}
 )",
-                             frames, time_step_s, speed_m_per_s / 2, -speed_m_per_s / 2);
+                             frames, time_step_s, speed_m_per_s / 2, -speed_m_per_s / 2, touch);
   request.synthetic_mesh = [&](const std::string& name) {
     if (name == "far") return moved(make_sphere(0.01, 1), Vec3(5, 5, 5));
     return name == "lower" ? lower : upper;
@@ -197,6 +197,17 @@ TEST(JudgedRun, BarsCrossedEdgeOnEdgeAreSuspect) {
   EXPECT_GT(result.outcome.max_muscle_surface_depth_m, 1e-3);
   EXPECT_EQ(result.outcome.muscle_crossings_at_rest, 0);
   expect_suspect(result, "because contact between muscles acts at nodes");
+}
+
+TEST(JudgedRun, WhatOverlapsAtRestIsNoExcuseForPassingElsewhere) {
+  const TriangleMesh bar = make_box({0.004, 0.02, 0.05}, 12);
+  const TriangleMesh ball = moved(make_sphere(0.014, 2), Vec3(0.01, 0.0003, 0.03));
+  const RunResult at_rest = collided(bar, ball, 0, 1e-3, 3, false);
+  EXPECT_EQ(at_rest.status, "ok") << at_rest.status_detail;
+  EXPECT_GT(at_rest.outcome.muscle_crossings_at_rest, 17) << "more than one of a hundred";
+  const RunResult slid = collided(bar, ball, 2, 1e-3, 3, false);
+  EXPECT_LE(slid.records.back().muscle_crossings, *slid.outcome.muscle_crossings_at_rest + 17);
+  expect_suspect(slid, "of the triangles of lower pass through upper");
 }
 
 TEST(JudgedRun, SpheresThatChangeSidesUntouchedAreSuspect) {

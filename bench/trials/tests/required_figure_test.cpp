@@ -92,7 +92,7 @@ TEST(FiguresOfFrame, AFollowedFrameTellsOfItsNodes) {
   StepRecord frame = judged_frame();
   frame.judged = false;
   frame.tunnelled_nodes = 2;
-  frame.crossings = {0, 0, 400, 400};
+  frame.beyond_rest = {0, 0, 400, 395};
   const std::vector<RequiredFigure> figures = figures_of_frame(scene, frame, rest_of_two());
   EXPECT_EQ(found(figures, Requirement::bone_passage).value, 2);
   EXPECT_EQ(find_figure(figures, Requirement::self_passage), nullptr);
@@ -103,7 +103,7 @@ TEST(FiguresOfFrame, CrossingsCountBeyondRestAndWhereNoDepthIsJudged) {
   const Scene scene = balls();
   MuscleAtRest rest = rest_of_two();
   StepRecord frame = judged_frame();
-  frame.crossings = {300, 0, 20, 14};  // in a solid bone contact is judged by depth
+  frame.beyond_rest = {300, 0, 20, 9};  // in a solid bone contact is judged by depth
   const std::vector<RequiredFigure> apart = figures_of_frame(scene, frame, rest);
   EXPECT_EQ(found(apart, Requirement::self_passage).value, 9);
   EXPECT_EQ(found(apart, Requirement::self_passage).limit, 10);
@@ -111,7 +111,7 @@ TEST(FiguresOfFrame, CrossingsCountBeyondRestAndWhereNoDepthIsJudged) {
   EXPECT_EQ(found(apart, Requirement::bone_passage).value, 0);
   rest.touching = {{0, 1}};
   EXPECT_EQ(find_figure(figures_of_frame(scene, frame, rest), Requirement::muscle_passage), nullptr);
-  frame.crossings = {0, 30, 0, 0};  // through a sheet
+  frame.beyond_rest = {0, 30, 0, 0};  // through a sheet
   EXPECT_EQ(found(figures_of_frame(scene, frame, rest), Requirement::bone_passage).value, 30);
 }
 
@@ -120,7 +120,7 @@ TEST(FiguresOfFrame, NothingPassesMeansNothing) {
   MuscleAtRest rest = rest_of_two();
   rest.touching = {{0, 1}};
   StepRecord frame = judged_frame();
-  frame.crossings = {0, 0, 1, 6};
+  frame.beyond_rest = {0, 0, 1, 1};
   const std::vector<RequiredFigure> figures = figures_of_frame(scene, frame, rest);
   EXPECT_FALSE(found(figures, Requirement::self_passage).holds());
   EXPECT_FALSE(found(figures, Requirement::muscle_passage).holds());

@@ -140,6 +140,39 @@ TEST(Crossings, LikeEveryPairTriedByPair) {
   EXPECT_EQ(sums.in_itself, found[3] + found[6]);
 }
 
+TEST(Crossings, AreExcusedWhereTheyWereAtRestAndNotElsewhere) {
+  // A bar that a second muscle, or a bone, slides along.
+  TriangleMesh muscles = make_box({1, 0.4, 0.2}, 12);
+  const TriangleMesh ball = make_sphere(0.3, 2);
+  const std::size_t bar_nodes = muscles.vertices.size(), bar_triangles = muscles.triangles.size();
+  append(muscles, ball);
+  const std::vector<Body> bodies{{"bar", 0, static_cast<int>(bar_nodes), 0, bar_triangles},
+                                 {"ball", static_cast<int>(bar_nodes), static_cast<int>(muscles.vertices.size()),
+                                  bar_triangles, muscles.triangles.size()}};
+  const std::vector<Bone> bones{bone_of(ball)};
+  const Referee referee(bones, 0);
+  CrossingMeter meter(bones, muscles, bodies, std::vector<int>(muscles.vertices.size(), -1));
+  RefereeTree tree(muscles);
+  const auto count = [&](double bone_x, double ball_x) {
+    std::vector<Vec3> positions = muscles.vertices;
+    for (std::size_t i = bar_nodes; i < positions.size(); ++i) positions[i] += Vec3(ball_x, 0.0123, -0.3);
+    tree.refit(muscles.triangles, positions);
+    const RigidMotion pose{Mat3::Identity(), Vec3(bone_x, -0.0071, 0.3)};
+    return meter.count(referee, tree, std::span(&pose, 1), positions);
+  };
+  const std::vector<int> at_rest = count(-0.5, 0.5);
+  ASSERT_EQ(at_rest.size(), 5U);  // bar and bone, bar and ball, bar; ball and bone, ball
+  ASSERT_GT(std::min(at_rest[0], at_rest[1]), 10);
+  EXPECT_EQ(meter.beyond_rest(), at_rest) << "nothing is excused yet";
+  meter.take_as_rest();
+  EXPECT_EQ(meter.beyond_rest(), std::vector<int>(5, 0));
+  count(-0.499, 0.501);
+  EXPECT_EQ(meter.beyond_rest(), std::vector<int>(5, 0)) << "what stays there may shift a little";
+  const std::vector<int> elsewhere = count(0.5, -0.5);
+  EXPECT_LE(std::max(elsewhere[0] - at_rest[0], elsewhere[1] - at_rest[1]), 3) << "no more than at rest";
+  EXPECT_EQ(meter.beyond_rest(), elsewhere);
+}
+
 TEST(SharedFaces, AreThoseOfTwoMusclesCornerByCorner) {
   SeveralSurfaces all;
   all.add("twin of ball", moved(make_sphere(0.7, 2), Vec3(1.2, 0.1, 0)));

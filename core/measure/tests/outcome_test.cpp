@@ -122,6 +122,7 @@ TEST(Outcome, TheFrameWithMostCrossingsOfEachPair) {
     record.bone_crossings = counts[0];
     record.muscle_crossings = counts[1];
     record.self_intersecting_triangles = counts[2];
+    record.beyond_rest = {counts[0], std::max(0, counts[1] - 2), 0};
     record.crossings = std::move(counts);
   };
   tested(records[0], {0, 7, 0});
@@ -138,6 +139,10 @@ TEST(Outcome, TheFrameWithMostCrossingsOfEachPair) {
   EXPECT_EQ(outcome.crossings[0].angle_deg, 30);
   EXPECT_EQ(outcome.crossings[1].frame, 1);
   EXPECT_EQ(outcome.crossings[2].frame, 0);
+  ASSERT_EQ(outcome.beyond_rest.size(), 3U);
+  EXPECT_EQ(outcome.beyond_rest[0].triangles, 9);
+  EXPECT_EQ(outcome.beyond_rest[1].triangles, 5);
+  EXPECT_EQ(outcome.beyond_rest[1].frame, 1);
   EXPECT_EQ(outcome.bone_crossings, 9);
   EXPECT_EQ(outcome.muscle_crossings, 7);
   EXPECT_EQ(outcome.bone_crossings_at_rest, 1);
