@@ -5,6 +5,7 @@
 #include <limits>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 #include "core/bvh/nearby_triangles.hpp"
 
@@ -110,6 +111,49 @@ std::vector<int> nodes_near_outline(std::span<const Vec3> nodes, const FlatArea&
   return bound;
 }
 
+std::optional<DistanceToArea> nearest_to_points(std::span<const Vec3> nodes, const AttachmentArea& area) {
+  if (nodes.empty()) return std::nullopt;
+  double nearest2 = std::numeric_limits<double>::infinity();
+  for (const Vec3& node : nodes) {
+    for (const Vec3& point : area.outline_m) nearest2 = std::min(nearest2, (point - node).squaredNorm());
+  }
+  return DistanceToArea{std::sqrt(nearest2), 0};
+}
+
+/// Sorted along the longest axis of their box, so that each node is compared with few.
+class SortedPoints {
+ public:
+  explicit SortedPoints(std::vector<Vec3> points) : m_points(std::move(points)) {
+    Eigen::AlignedBox3d box;
+    for (const Vec3& point : m_points) box.extend(point);
+    box.sizes().maxCoeff(&m_axis);
+    std::sort(m_points.begin(), m_points.end(),
+              [&](const Vec3& one, const Vec3& other) { return one[m_axis] < other[m_axis]; });
+  }
+
+  [[nodiscard]] bool is_one_within(const Vec3& node, double distance_m) const {
+    const auto first = std::lower_bound(m_points.begin(), m_points.end(), node[m_axis] - distance_m,
+                                        [&](const Vec3& point, double at) { return point[m_axis] < at; });
+    for (auto point = first; point != m_points.end() && (*point)[m_axis] <= node[m_axis] + distance_m; ++point) {
+      if ((*point - node).norm() <= distance_m) return true;
+    }
+    return false;
+  }
+
+ private:
+  std::vector<Vec3> m_points;
+  int m_axis = 0;
+};
+
+std::vector<int> nodes_near_points(std::span<const Vec3> nodes, const AttachmentArea& area) {
+  const SortedPoints points(area.outline_m);
+  std::vector<int> bound;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (points.is_one_within(nodes[i], area.distance_m)) bound.push_back(static_cast<int>(i));
+  }
+  return bound;
+}
+
 /// Nothing where the node does not count.
 std::optional<DistanceToArea> distance_to_area(const Vec3& node, const TriangleBvh& bone, const FlatArea& flat,
                                                AttachmentSurface surface) {
@@ -124,6 +168,7 @@ std::optional<DistanceToArea> distance_to_area(const Vec3& node, const TriangleB
 }  // namespace
 
 std::vector<int> nodes_over_area(std::span<const Vec3> nodes, const TriangleMesh& bone, const AttachmentArea& area) {
+  if (area.surface == AttachmentSurface::points) return nodes_near_points(nodes, area);
   const FlatArea flat(area);
   if (area.surface == AttachmentSurface::outline) return nodes_near_outline(nodes, flat, area);
   // A node is at most distance_m from its closest point, and so is what it is measured by in the area's plane.
@@ -150,6 +195,7 @@ std::vector<int> nodes_over_area(std::span<const Vec3> nodes, const TriangleMesh
 
 std::optional<DistanceToArea> nearest_to_area(std::span<const Vec3> nodes, const TriangleBvh& bone,
                                               const AttachmentArea& area) {
+  if (area.surface == AttachmentSurface::points) return nearest_to_points(nodes, area);
   const FlatArea flat(area);
   std::optional<DistanceToArea> nearest;
   double least_lack_m = std::numeric_limits<double>::infinity();

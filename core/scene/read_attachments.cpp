@@ -11,6 +11,15 @@ namespace musclebench {
 
 namespace {
 
+AttachmentSurface read_surface(const TomlTable& table) {
+  const std::string near = table.word_or("near", "bone");
+  if (near == "bone") return AttachmentSurface::bone;
+  if (near == "outline") return AttachmentSurface::outline;
+  if (near == "points") return AttachmentSurface::points;
+  throw InputError(table.location("near"), fmt::format("'{}' has to be bone, outline or points; did you mean '{}'?",
+                                                       near, nearest_word(near, {"bone", "outline", "points"})));
+}
+
 /// `bone`: the placement of the bone that carries the area, and so of the outline in its file.
 AttachmentArea read_area(const SceneRequest& request, const TomlTable& table, const MeshPlacement& bone) {
   AttachmentArea area;
@@ -24,17 +33,15 @@ AttachmentArea read_area(const SceneRequest& request, const TomlTable& table, co
   } else {
     area.outline_m = table.points("outline_m");
   }
-  if (area.outline_m.size() < 3) {
-    throw InputError(table.location(), "outlines no area; give at least three points");
-  }
   area.distance_m = table.number("distance_m", 0, 10);
   area.margin_m = table.has("margin_m") ? table.number("margin_m", 0, 10) : 0;
-  const std::string near = table.word_or("near", "bone");
-  if (near != "bone" && near != "outline") {
-    throw InputError(table.location("near"), fmt::format("'{}' has to be bone or outline; did you mean '{}'?", near,
-                                                         nearest_word(near, {"bone", "outline"})));
+  area.surface = read_surface(table);
+  if (area.surface == AttachmentSurface::points) {
+    if (area.outline_m.empty()) throw InputError(table.location(), "has no point to be near to");
+    if (table.has("margin_m")) throw InputError(table.location("margin_m"), "points have no area; give distance_m");
+  } else if (area.outline_m.size() < 3) {
+    throw InputError(table.location(), "outlines no area; give at least three points");
   }
-  area.surface = near == "bone" ? AttachmentSurface::bone : AttachmentSurface::outline;
   return area;
 }
 

@@ -250,6 +250,12 @@ std::string describe_empty_attachment(const Scene& scene, const Attachment& atta
         "attachment '{}' binds no node: the muscle is nowhere on its side of bone '{}'; check its outline{}",
         attachment.name, bone.name, placed);
   }
+  if (attachment.area.surface == AttachmentSurface::points) {
+    return fmt::format(
+        "attachment '{}' binds no node: the nearest is {:.4g} mm from its points (distance_m allows {:.4g} mm); were "
+        "they taken from this mesh?{}",
+        attachment.name, 1e3 * nearest->to_surface_m, 1e3 * attachment.area.distance_m, placed);
+  }
   const bool is_near_bone = attachment.area.surface == AttachmentSurface::bone;
   return fmt::format(
       "attachment '{}' binds no node: the nearest is {:.4g} mm from {} (distance_m allows {:.4g} mm) and {:.4g} mm "

@@ -94,6 +94,31 @@ TEST(AttachmentArea, OfAnOutlineNeedsNoBoneNearIt) {
   EXPECT_EQ(nearest->beside_area_m, 0);
 }
 
+/// As each point would be asked about each node.
+TEST(AttachmentArea, OfPointsHasNoAreaBetweenThem) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> any(-0.02, 0.02);
+  std::vector<Vec3> nodes, points;
+  for (int i = 0; i < 500; ++i) nodes.emplace_back(any(random), any(random), 2 * any(random));
+  for (int i = 0; i < 7; ++i) points.emplace_back(any(random), any(random), 2 * any(random));
+  points.push_back(nodes[11]);
+  const TriangleMesh bone = make_box(Vec3(0.03, 0.03, 0.02), 2);
+  for (const double distance_m : {0.0, 0.002, 0.008}) {
+    const AttachmentArea area{points, distance_m, 0, AttachmentSurface::points};
+    std::vector<int> expected;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const auto is_near = [&](const Vec3& point) { return (point - nodes[i]).norm() <= distance_m; };
+      if (std::ranges::any_of(points, is_near)) expected.push_back(static_cast<int>(i));
+    }
+    EXPECT_EQ(nodes_over_area(nodes, bone, area), expected);
+    EXPECT_GE(expected.size(), distance_m > 0.005 ? 20U : 1U);
+  }
+  const auto nearest = nearest_to_area(std::vector<Vec3>{points[0] + Vec3(0.001, 0, 0), Vec3(1, 1, 1)},
+                                       TriangleBvh(bone), {points, 0, 0, AttachmentSurface::points});
+  ASSERT_TRUE(nearest);
+  EXPECT_NEAR(nearest->to_surface_m, 0.001, 1e-15);
+}
+
 class LandmarkFile : public testing::Test {
  protected:
   [[nodiscard]] double first_x(const std::string& selector) {

@@ -336,8 +336,22 @@ TEST(ForeignScene, AnAttachmentSaysWhatItsNodesAreNear) {
   const std::size_t near_bone = scene_of(text).attachments[0].nodes.size();
   EXPECT_GT(near_bone, 0U);
   EXPECT_GE(scene_of(text + "near = \"outline\"\n").attachments[0].nodes.size(), near_bone);
-  expect_mentions(error_of(request(text + "near = \"otline\"\n")),
-                  {"test.toml:22: attachment[1].near", "'otline' has to be bone or outline; did you mean 'outline'?"});
+  expect_mentions(
+      error_of(request(text + "near = \"otline\"\n")),
+      {"test.toml:22: attachment[1].near", "'otline' has to be bone, outline or points; did you mean 'outline'?"});
+}
+
+TEST(ForeignScene, AnAttachmentOfPointsBindsWhatWasPicked) {
+  const std::string table = "[[attachment]]\nname = \"picked\"\nbone = \"box\"\nnear = \"points\"\n";
+  const Scene scene = scene_of(plain_text() + attachment("top", "box", 0.004));
+  const Vec3 node = scene.muscle_mesh.vertices[7];
+  const std::string at = fmt::format("outline_m = [[{}, {}, {}]]\n", node.x(), node.y(), node.z());
+  EXPECT_EQ(scene_of(plain_text() + table + at + "distance_m = 1e-6\n").attachments[0].nodes, std::vector{7});
+  expect_mentions(error_of(request(plain_text() + table + at + "distance_m = 1e-6\nmargin_m = 0.1\n")),
+                  {"attachment[1].margin_m", "points have no area"});
+  expect_mentions(error_of(request(plain_text() + table + "outline_m = []\ndistance_m = 1e-6\n")), {"point"});
+  const Scene far = scene_of(plain_text() + table + "outline_m = [[0.5, 0, 0]]\ndistance_m = 1e-6\n");
+  EXPECT_NE(describe_empty_attachment(far, far.attachments[0]).find("mm from its points"), std::string::npos);
 }
 
 TEST(ForeignScene, MoreBodiesThanAnySceneHasAreRefusedBeforeOneIsRead) {
