@@ -276,6 +276,12 @@ Json manifest_head(std::string_view status, std::string_view status_detail, cons
   const Scene& scene = resolved.scene;
   Json json = {{"schema_version", schema_version},     {"status", status},     {"status_detail", status_detail},
                {"run_id", id_of(json_of_case, scene)}, {"title", scene.title}, {"case", json_of_case}};
+  if (const SceneSource& source = scene.source; !source.licence.empty()) {
+    json["source"] = {{"licence", source.licence},
+                      {"cite", source.citations},
+                      {"url", source.url},
+                      {"non_commercial", source.is_non_commercial}};
+  }
   json.update(json_of_inputs(scene));
   json["implementations"] = implementations_of(resolved);
   json["build"] = json_of_build();

@@ -36,6 +36,15 @@ std::string attachments_of(const RunCase& run, const RunResult& result) {
   return text;
 }
 
+std::string source_of(const SceneSource& source) {
+  if (source.licence.empty()) return {};
+  std::string text = fmt::format("  licence of the shapes         {}{}\n", source.licence,
+                                 source.is_non_commercial ? ": not for commercial use" : "");
+  for (const std::string& citation : source.citations)
+    text += fmt::format("  cite                          {}\n", citation);
+  return text;
+}
+
 std::string times_of(const RunResult& result) {
   const std::string collision_ms = median_frame_ms(
       result.records, [](const StepRecord& r) { return r.times.update_ns + r.times.detect_ns + r.times.respond_ns; });
@@ -138,7 +147,7 @@ std::string run_summary(const RunCase& run, const RunResult& result) {
   text +=
       result.outcome.max_depth_m ? depths_of(result.outcome) : "  depths                        unknown (not judged)\n";
   return text + shape_of(result.outcome) + force_summary(result) + fibre_summary(run, result) +
-         fmt::format("  state hash                    {}\n", result.state_hash);
+         fmt::format("  state hash                    {}\n", result.state_hash) + source_of(run.scene.source);
 }
 
 std::string probe_summary(const ProbeCase& what, const ProbeResult& result) {

@@ -382,18 +382,25 @@ void require_motion(const SceneRequest& request, const std::optional<TomlTable>&
                                loop.rest_frames, loop.frames));
 }
 
+SceneSource source_from(const TomlTable& table) {
+  table.allow_only({"licence", "cite", "url", "non_commercial"});
+  return {table.word("licence"), table.has("cite") ? table.words("cite") : std::vector<std::string>{},
+          table.word_or("url", ""), table.flag_or("non_commercial", false)};
+}
+
 }  // namespace
 
 Scene read_scene(const SceneRequest& request) {
   const toml::table text = parse_scene(request);
   const TomlTable root(text, request.file, "");
   root.allow_only({"title", "preset", "bone", "muscle", "pair", "attachment", "contact", "effects", "loop", "measure",
-                   "meshes", "time_step_change", "wanted"});
+                   "meshes", "source", "time_step_change", "wanted"});
 
   Scene scene;
   scene.name = request.name;
   scene.file = request.file;
   scene.title = root.word_or("title", request.name);
+  if (const auto source = root.table("source")) scene.source = source_from(*source);
   scene.preset = request.preset_override.empty() ? root.word_or("preset", "") : request.preset_override;
   toml::table preset_text;
   if (!scene.preset.empty()) {

@@ -116,12 +116,21 @@ struct AutoEffects {
   std::string resolved_text = {};  ///< a scene file that names all effects, after they were added
 };
 
+/// Where the shapes of a scene come from: `[source]`. What is unknown is empty.
+struct SceneSource {
+  std::string licence;
+  std::vector<std::string> citations = {};
+  std::string url = {};
+  bool is_non_commercial = false;
+};
+
 /// A complete and checked description of a simulation. All files have been read and all parameters are known. Lengths
 /// are in metres. Const functions are safe from several threads.
 struct Scene {
   std::string name;
   std::string file;  ///< for messages
   std::string title;
+  SceneSource source = {};
   std::string preset;
   std::vector<Bone> bones;             ///< repaired and split surfaces in rest pose, in Morton order
   std::vector<SceneMesh> bone_meshes;  ///< the meshes of the bones as read, one for each bone

@@ -36,6 +36,7 @@ Scene scene_of_two() {
   scene.bones.push_back(std::move(far));
   scene.bone_contacts.resize(scene.bones.size());
   scene.bone_contacts.front().response_steps = 5;
+  scene.source = {"CC BY 4.0", {"somebody"}, "https://example.org", false};
   scene.auto_effects = {.wanted = true, .added = {{"friction", "a_rule", "a reason"}}};
   return scene;
 }

@@ -341,6 +341,17 @@ TEST(ForeignScene, AnAttachmentSaysWhatItsNodesAreNear) {
       {"test.toml:22: attachment[1].near", "'otline' has to be bone, outline or points; did you mean 'outline'?"});
 }
 
+TEST(ForeignScene, ASceneSaysWhoseShapesItHas) {
+  EXPECT_EQ(scene_of(plain_text()).source.licence, "");
+  const Scene scene = scene_of(plain_text() + "[source]\nlicence = \"CC BY 4.0\"\ncite = [\"A\", \"B\"]\n");
+  EXPECT_EQ(scene.source.licence, "CC BY 4.0");
+  EXPECT_EQ(scene.source.citations, (std::vector<std::string>{"A", "B"}));
+  EXPECT_FALSE(scene.source.is_non_commercial);
+  EXPECT_TRUE(scene_of(plain_text() + "[source]\nlicence = \"X\"\nnon_commercial = true\n").source.is_non_commercial);
+  expect_mentions(error_of(request(plain_text() + "[source]\nurl = \"x\"\n")), {"source.licence", "missing"});
+  expect_mentions(error_of(request(plain_text() + "[source]\nlicense = \"x\"\n")), {"licence"});
+}
+
 TEST(ForeignScene, AnAttachmentOfPointsBindsWhatWasPicked) {
   const std::string table = "[[attachment]]\nname = \"picked\"\nbone = \"box\"\nnear = \"points\"\n";
   const Scene scene = scene_of(plain_text() + attachment("top", "box", 0.004));
