@@ -9,9 +9,10 @@ from ..tables.table_formats import Column, markdown_rows
 
 MARKUP = re.compile(r"([\\`*_{}\[\]<>()#+!|~&:@-])")  # a stranger's words stay words: no link, no picture, nobody called
 COLUMNS = [
-    Column("scene", "scene"), Column("setting", "setting"), Column("time_ms", "ms a frame", 4), Column("offset_mm", "surface offset (mm)", 4),
+    Column("scene", "scene"), Column("setting", "setting"), Column("time_ms", "ms a frame", 4), Column("offset", "surface offset (mm)"),
     Column("bound", "declared bound"), Column("standing", "answers"), Column("division", "division"), Column("why_not", "why it can't win"),
 ]
+FARTHER = "farther than was searched"
 
 
 def as_summary(rows: pd.DataFrame, machines: Sequence[str]) -> str:
@@ -20,6 +21,7 @@ def as_summary(rows: pd.DataFrame, machines: Sequence[str]) -> str:
     for machine in machines:
         of_bundle = rows[rows["machine"] == machine]
         told = of_bundle.assign(setting=of_bundle["spoken"].where(of_bundle["spoken"] != "", of_bundle["configuration"]))
+        told = told.assign(offset=[FARTHER if open_ else "" if pd.isna(offset) else f"{offset:.4f}" for open_, offset in zip(told["is_open"], told["offset_mm"])])
         told = told.assign(**{column.key: told[column.key].map(_as_text) for column in COLUMNS if column.digits is None})
         counts = ", ".join(f"{count} {name}" for name, count in of_bundle["standing"].value_counts().items())
         parts.append(f"### {_as_text(machine)}\n\n"
