@@ -4,6 +4,7 @@
 import sys
 from pathlib import Path
 
+from musclebench.anatomy.import_pictures import draw_import
 from musclebench.figures import looks
 from musclebench.pictures.fibre_figure import draw_fibres, name_of
 from musclebench.pictures.surface_figures import draw_surface_figures
@@ -15,6 +16,14 @@ KINDS = {
     "surfaces": lambda runs, folder, say: draw_surface_figures(runs, folder, say),
     "fibres": lambda runs, folder, say: draw_fibres({name_of(run): run for run in runs}, folder / "fibres", say),
 }
+IMPORT = "import"  # no runs: a folder of tools/import
+
+
+def draw(kind: str, out_dir: Path, names: list[str], say) -> list[Path]:
+    if kind == IMPORT:
+        return draw_import(out_dir, say)
+    looks.know(saved_registry(out_dir))
+    return KINDS[kind](run_folder.read_all([out_dir / "raw" / name for name in names]), out_dir / "figures", say)
 
 
 def main(arguments: list[str]) -> int:
@@ -22,9 +31,7 @@ def main(arguments: list[str]) -> int:
     lines."""
     kind, out_dir, names = arguments[0], Path(arguments[1]), arguments[2:]
     try:
-        looks.know(saved_registry(out_dir))
-        runs = run_folder.read_all([out_dir / "raw" / name for name in names])
-        files = KINDS[kind](runs, out_dir / "figures", lambda text: print(f"drawing {text}", flush=True))
+        files = draw(kind, out_dir, names, lambda text: print(f"drawing {text}", flush=True))
     except (Problem, run_folder.ResultProblem, OSError) as problem:
         print(f"draw_pictures: {problem}", file=sys.stderr)
         return 2

@@ -10,9 +10,10 @@ import pytest
 from copied_tools import PROJECT
 from musclebench.page.bundle import script_file
 
-TOOLS = ("accuracy", "board", "bundle", "compare", "budget", "effects", "experiment", "fuzz", "hard", "moment-arms", "mutants", "nightly", "paper",
+TOOLS = ("accuracy", "board", "bundle", "compare", "budget", "effects", "experiment", "fuzz", "hard", "import", "moment-arms", "mutants", "nightly", "paper",
          "publish", "release", "report", "safe-step", "speed")
-NEEDED_WORDS = {"board": (".",), "bundle": (".",), "compare": ("HEAD", "HEAD"), "experiment": ("paper",),
+NEEDED_WORDS = {"board": (".",), "bundle": (".",),
+                "import": (".", "--map", "tools/pyproject.toml", "--out", "new"), "compare": ("HEAD", "HEAD"), "experiment": ("paper",),
                 "release": ("1.0.0",), "report": (".",), "safe-step": ("hard/step_size",)}
 PACKAGES = {"numpy", "pandas", "scipy", "matplotlib", "vtk", "vtkmodules", "jinja2", "PIL"}
 # Hides packages from every Python that has its folder on the path.

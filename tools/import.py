@@ -1,0 +1,68 @@
+#!/usr/bin/python3
+"""Makes scenes of a folder of meshes. Options: musclebench/options/import.py."""
+
+import importlib
+import sys
+import time
+
+from musclebench.anatomy.anatomy_map import find_files, read_map
+from musclebench.anatomy.import_folder import write_import
+from musclebench.anatomy.importing import import_anatomy
+from musclebench.program.cli import Problem, run_command
+from musclebench.program.optional_packages import require
+
+TOOL = importlib.import_module("musclebench.options.import").TOOL  # its name is a word of Python's
+CODE_PARTLY = 3
+SILENT_S = 2.0
+
+
+class Progress:
+    """Says what is being done once it lasts."""
+
+    def __init__(self) -> None:
+        self.start = time.monotonic()
+
+    def __call__(self, text: str) -> None:
+        passed = time.monotonic() - self.start
+        if passed > SILENT_S:
+            print(f"import: {passed:4.0f} s: {text}", file=sys.stderr, flush=True)
+
+
+def counted(number: int, word: str) -> str:
+    return f"{number} {word}{'' if number == 1 else 's'}"
+
+
+def make(options) -> int:
+    TOOL.check(options)
+    require("vtk")
+    anatomy = read_map(options.map)
+    anatomy.unit = options.unit or anatomy.unit
+    anatomy.error_mm = options.error_mm or anatomy.error_mm
+    anatomy.near_mm = options.near_mm or anatomy.near_mm
+    files, problems = find_files(options.folder, anatomy)
+    if options.muscle:
+        known = [one.name for one in files if one.kind == "muscle"]
+        if missing := [name for name in options.muscle if name not in known]:
+            raise Problem(f"--muscle {missing[0]}: the folder has no such muscle; there are {', '.join(known) or 'none'}")
+        files = [one for one in files if one.kind != "muscle" or one.name in options.muscle]
+    if not files:
+        raise Problem(f"{options.folder}: no file matches a pattern of {options.map}; list the folder, and mend [files] of the map")
+    say = Progress()
+    with write_import(options.out, options.force) as write:
+        result = import_anatomy(files, anatomy, problems, say)
+        scenes = write(result, anatomy, say, not options.no_pictures)
+    kinds = ", ".join(counted(len(result.surfaces(kind)), kind) for kind in ("bone", "cartilage", "muscle"))
+    such_as = f", such as {options.out / scenes[0]}" if scenes else ""
+    print(f"{options.out}: {kinds}, unit {result.unit}; {counted(len(scenes), 'scene')}{such_as}; see README.md there")
+    print(f"Licence: {anatomy.licence}{': not for commercial use' if anatomy.is_non_commercial else ''}." + "".join(f"\nCite: {one}" for one in anatomy.cite))
+    for problem in result.problems:
+        print(f"not imported: {problem}", file=sys.stderr)
+    return CODE_PARTLY if result.problems else 0
+
+
+def main(arguments=None) -> int:
+    return run_command("import", lambda: make(TOOL.parse(arguments)), "nothing was written")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

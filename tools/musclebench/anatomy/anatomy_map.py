@@ -1,0 +1,235 @@
+"""The map: a small TOML file that says which file is which part, what moves, and where the data come from."""
+
+import re
+import tomllib
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..program.cli import Problem
+from .mesh_file import READERS
+from .surface import Points
+
+UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}  # millimetres in each
+KINDS = ("bone", "cartilage", "muscle")
+FITS = ("cylinder", "sphere")
+NAME = re.compile(r"[A-Za-z0-9_.-]+")
+
+
+@dataclass
+class TendonWords:
+    """Of one tendon; millimetres in the frame of the files, or their unit where that is another."""
+
+    to: str
+    at: Points
+    through: Points
+    radius: float
+
+
+@dataclass
+class MuscleWords:
+    name: str
+    origin: list[str] = field(default_factory=list)  # bones; none: what is near
+    insertion: list[str] = field(default_factory=list)
+    near_mm: float | None = None
+    tendon: TendonWords | None = None
+    sheaths: list[dict[str, Any]] = field(default_factory=list)
+
+
+@dataclass
+class JointWords:
+    """A hinge: `moves` turn about an axis."""
+
+    name: str
+    moves: list[str]
+    axis: Points | None = None  # and centre; or a fit
+    centre: Points | None = None
+    fit: str = ""
+    surface: str = ""  # that is fitted, where it faces `facing`
+    facing: str = ""
+    axis_towards: Points | None = None  # which of its two directions is positive
+    from_deg: float = 0.0
+    to_deg: float = 0.0
+
+
+@dataclass
+class AnatomyMap:
+    path: Path
+    title: str
+    licence: str
+    cite: list[str]
+    source: str = ""
+    is_non_commercial: bool = False
+    unit: str = ""
+    rules: list[tuple[str, re.Pattern[str]]] = field(default_factory=list)  # (kind, pattern with a group `name`)
+    renamed: dict[str, str] = field(default_factory=dict)
+    error_mm: float = 0.1
+    near_mm: float = 1.5
+    muscles: list[MuscleWords] = field(default_factory=list)
+    joints: list[JointWords] = field(default_factory=list)
+
+
+@dataclass
+class Found:
+    """A mesh file and what it is."""
+
+    path: Path
+    kind: str
+    name: str
+
+
+def read_map(path: Path) -> AnatomyMap:
+    """Raises Problem with file, key and cure."""
+    try:
+        table = _Table(path, "", tomllib.loads(path.read_text(encoding="utf-8")))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise Problem(f"{path}: is not valid TOML ({error})") from None
+    table.allow_only("title", "licence", "non_commercial", "cite", "source", "unit", "error_mm", "near_mm", "files", "muscle", "joint")
+    files = table.table("files")
+    files.allow_only(*KINDS, "names")
+    rules = [(kind, _pattern(files, kind, text)) for kind in KINDS for text in files.words(kind)]
+    if not rules:
+        raise Problem(f"{path}: [files] has no pattern; give bone, cartilage or muscle = 'regular expression with (?P<name>...)'")
+    unit = table.word("unit", "")
+    if unit and unit not in UNITS:
+        raise Problem(f"{path}: unit '{unit}' has to be one of {', '.join(UNITS)}")
+    return AnatomyMap(
+        path, table.word("title"), table.word("licence"), table.words("cite"), table.word("source", ""), bool(table.get("non_commercial", False)), unit, rules,
+        {str(key): str(value) for key, value in files.get("names", {}).items()}, table.number("error_mm", 0.1), table.number("near_mm", 1.5),
+        [_muscle(one) for one in table.tables("muscle")], [_joint(one) for one in table.tables("joint")])
+
+
+def find_files(folder: Path, anatomy: AnatomyMap) -> tuple[list[Found], list[str]]:
+    """The meshes that the map names, and one line for each that two rules or two files claim: none of these is taken."""
+    found: dict[str, list[Found]] = {}
+    problems = []
+    for path in sorted(one for one in folder.rglob("*") if one.suffix.lower() in READERS and one.is_file()):
+        inside = path.relative_to(folder).as_posix()
+        matches = [(kind, match) for kind, rule in anatomy.rules if (match := rule.search(inside))]
+        if not matches:
+            continue
+        kind, match = matches[0]
+        raw = match.group("name")
+        name = anatomy.renamed.get(raw, _simple(raw)) + ("_cartilage" if kind == "cartilage" else "")
+        if len({(kind, match.group("name")) for kind, match in matches}) > 1:
+            problems.append(f"{path}: matches several patterns of {anatomy.path.name}, such as {matches[0][0]} and {matches[1][0]}; make them narrower")
+        else:
+            found.setdefault(name, []).append(Found(path, kind, name))
+    for name, several in found.items():
+        if len(several) > 1:
+            others = ", ".join(one.path.name for one in several[1:])
+            problems.append(f"{several[0].path}: '{name}' is {others}, too; tell them apart by [files.names] or a narrower pattern")
+    return [several[0] for several in found.values() if len(several) == 1], problems
+
+
+def _simple(raw: str) -> str:
+    """soleus, tibialis_anterior: of whatever way of writing a name of several words."""
+    words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", raw)
+    return re.sub(r"[^a-z0-9.]+", "_", words.lower()).strip("_.") or "unnamed"
+
+
+class _Table:
+    """A table of the map, which knows where it stands."""
+
+    def __init__(self, path: Path, place: str, values: dict[str, Any]):
+        self.path, self.place, self.values = path, place, values
+
+    def at(self, key: str) -> str:
+        return f"{self.path}: {self.place}{key}"
+
+    def get(self, key: str, default: Any = None) -> Any:
+        return self.values.get(key, default)
+
+    def allow_only(self, *known: str) -> None:
+        for key in self.values:
+            if key not in known:
+                raise Problem(f"{self.at(key)}: is no key of the map; there are {', '.join(known)}")
+
+    def word(self, key: str, default: str | None = None) -> str:
+        value = self.get(key, default)
+        if not isinstance(value, str) or (default is None and not value.strip()):
+            raise Problem(f"{self.at(key)}: is missing or no text; write {key} = \"...\"")
+        return value
+
+    def words(self, key: str) -> list[str]:
+        value = self.get(key, [])
+        value = [value] if isinstance(value, str) else value
+        if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
+            raise Problem(f"{self.at(key)}: has to be a text or a list of texts")
+        return value
+
+    def number(self, key: str, default: float | None = None) -> float:
+        value = self.get(key, default)
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not np.isfinite(value):
+            raise Problem(f"{self.at(key)}: has to be a number")
+        return float(value)
+
+    def positive(self, key: str, default: float | None = None) -> float:
+        if (value := self.number(key, default)) <= 0:
+            raise Problem(f"{self.at(key)}: has to be above 0")
+        return value
+
+    def point(self, key: str) -> Points:
+        return self._points(key, self.get(key), 1)
+
+    def points(self, key: str) -> Points:
+        return self._points(key, self.get(key, []), 2)
+
+    def table(self, key: str) -> "_Table":
+        value = self.get(key, {})
+        if not isinstance(value, dict):
+            raise Problem(f"{self.at(key)}: has to be a table")
+        return _Table(self.path, f"{self.place}{key}.", value)
+
+    def tables(self, key: str) -> list["_Table"]:
+        value = self.get(key, [])
+        if not isinstance(value, list) or not all(isinstance(one, dict) for one in value):
+            raise Problem(f"{self.at(key)}: has to be written as [[{key}]] tables")
+        return [_Table(self.path, f"{self.place}{key}[{i}].", one) for i, one in enumerate(value)]
+
+    def _points(self, key: str, value: Any, dimensions: int) -> Points:
+        try:
+            found = np.array(value, dtype=float).reshape((3,) if dimensions == 1 else (-1, 3))
+        except (TypeError, ValueError):
+            found = np.array([np.nan])
+        if not np.isfinite(found).all():
+            raise Problem(f"{self.at(key)}: has to be {'a point [x, y, z]' if dimensions == 1 else 'a list of points [x, y, z]'}")
+        return found
+
+
+def _pattern(files: _Table, kind: str, text: str) -> re.Pattern[str]:
+    try:
+        pattern = re.compile(text)
+    except re.error as error:
+        raise Problem(f"{files.at(kind)}: '{text}' is no regular expression ({error})") from None
+    if "name" not in pattern.groupindex:
+        raise Problem(f"{files.at(kind)}: '{text}' has no group (?P<name>...), which says what the part is called")
+    return pattern
+
+
+def _muscle(table: _Table) -> MuscleWords:
+    table.allow_only("name", "origin", "insertion", "near_mm", "tendon")
+    near = table.positive("near_mm") if table.get("near_mm") is not None else None
+    tendon = None
+    if table.get("tendon") is not None:
+        words = table.table("tendon")
+        words.allow_only("to", "at", "through", "radius_mm")
+        tendon = TendonWords(words.word("to"), words.point("at"), words.points("through"), words.positive("radius_mm"))
+    return MuscleWords(table.word("name"), table.words("origin"), table.words("insertion"), near, tendon)
+
+
+def _joint(table: _Table) -> JointWords:
+    table.allow_only("name", "moves", "axis", "centre", "fit", "surface", "facing", "axis_towards", "from_deg", "to_deg")
+    joint = JointWords(table.word("name"), table.words("moves"), from_deg=table.number("from_deg"), to_deg=table.number("to_deg"))
+    if not joint.moves:
+        raise Problem(f"{table.at('moves')}: names no bone")
+    if table.get("axis") is not None:
+        joint.axis, joint.centre = table.point("axis"), table.point("centre")
+        return joint
+    joint.fit, joint.surface, joint.facing = table.word("fit"), table.word("surface"), table.word("facing", "")
+    joint.axis_towards = table.point("axis_towards")
+    if joint.fit not in FITS:
+        raise Problem(f"{table.at('fit')}: '{joint.fit}' has to be one of {', '.join(FITS)}")
+    return joint

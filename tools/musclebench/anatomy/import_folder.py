@@ -1,0 +1,133 @@
+"""The folder that an import makes. It takes the place of an older one when it is whole."""
+
+import json
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ..pictures.in_display import draw_in_display
+from ..program.cli import Problem
+from .anatomy_map import AnatomyMap
+from .importing import Anatomy, Say
+from .scene_files import AREAS_FILE, Joint, MusclePart, areas_json, scene_text, write_mesh
+
+MARK = "import.json"
+EFFECTS = """
+[effects.surface_contact]
+"""
+TOGETHER = """
+[contact]
+muscle_contact = true
+
+[effects.surface_contact]
+"""
+
+Write = Callable[[Anatomy, AnatomyMap, Say, bool], list[Path]]
+
+
+@contextmanager
+def write_import(out: Path, force: bool) -> Iterator[Write]:
+    """Gives a function that writes, and says which scenes there are. Raises Problem where `out` is something else."""
+    out = out.absolute()
+    if out.exists():
+        if not (out / MARK).is_file():
+            raise Problem(f"--out {out}: is there already and is no import; name a new folder")
+        if not force:
+            raise Problem(f"--out {out}: is there already; name another folder or add --force")
+    out.parent.mkdir(parents=True, exist_ok=True)
+    folder = Path(tempfile.mkdtemp(prefix=f".{out.name}.", dir=out.parent))
+
+    def write(result: Anatomy, anatomy: AnatomyMap, say: Say, with_pictures: bool) -> list[Path]:
+        scenes = _write(folder, result, anatomy)
+        if with_pictures:
+            say("drawing pictures")
+            try:
+                draw_in_display("import", folder, [])
+            except Problem as problem:
+                say(f"no pictures: {problem}")
+        folder.chmod(0o755)
+        if out.exists():
+            shutil.rmtree(out)
+        folder.rename(out)
+        return scenes
+
+    try:
+        yield write
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def _write(folder: Path, result: Anatomy, anatomy: AnatomyMap) -> list[Path]:
+    (folder / "meshes").mkdir()
+    comments = (anatomy.title.replace("\n", " "), f"licence {anatomy.licence}; see README.md", "units metre")
+    for name, part in result.parts.items():
+        write_mesh(folder / "meshes" / f"{name}.ply", part.surface, comments)
+    (folder / AREAS_FILE).write_text(areas_json(result.muscles), encoding="utf-8")
+    scenes = []
+    joints: list[Joint | None] = [*result.joints] or [None]
+    for joint in joints:
+        moved = [muscle for muscle in result.muscles if joint is None or is_moved(muscle, joint)]
+        kind = Path("scenes") / (joint.name if joint else "rest")
+        (folder / kind).mkdir(parents=True)
+        texts = {muscle.name: scene_text(anatomy, joint, [muscle], EFFECTS) for muscle in moved}
+        if len(moved) > 1:
+            texts["all"] = scene_text(anatomy, joint, moved, TOGETHER)
+        for name, text in texts.items():
+            scenes.append(kind / f"{name}.toml")
+            (folder / scenes[-1]).write_text(text, encoding="utf-8")
+    (folder / "README.md").write_text(readme(result, anatomy), encoding="utf-8")
+    (folder / MARK).write_text(json.dumps(as_json(result, anatomy), indent=1) + "\n", encoding="utf-8")
+    return scenes
+
+
+def is_moved(muscle: MusclePart, joint: Joint) -> bool:
+    """Whether it crosses the joint."""
+    bones = {area.bone for area in muscle.areas}
+    return bool(bones & set(joint.moves)) and bool(bones - set(joint.moves))
+
+
+def as_json(result: Anatomy, anatomy: AnatomyMap) -> dict[str, object]:
+    return {
+        "musclebench_import": 1, "title": anatomy.title, "licence": anatomy.licence, "non_commercial": anatomy.is_non_commercial, "cite": anatomy.cite,
+        "source": anatomy.source, "unit": result.unit,
+        "meshes": [{"name": name, "kind": part.found.kind, "file": part.found.path.name, "triangles_in_file": part.raw_triangles,
+                    "triangles": len(part.surface.triangles), "error_mm": part.error_mm, "volume_ml": part.surface.volume / 1000,
+                    "repairs": part.repairs, "has_tendon": part.tendon is not None} for name, part in result.parts.items()],
+        "attachments": [{"muscle": muscle.name, "role": area.role, "bone": area.bone, "nodes": len(area.nodes), "mean_gap_mm": area.mean_gap}
+                        for muscle in result.muscles for area in muscle.areas],
+        "joints": [{"name": joint.name, "moves": joint.moves, "axis": joint.axis.direction.tolist(), "centre_mm": joint.axis.centre.tolist(),
+                    "radius_mm": joint.axis.radius, "rms_mm": joint.axis.rms, "from_deg": joint.from_deg, "to_deg": joint.to_deg,
+                    "deepest_mm": joint.deepest} for joint in result.joints],
+        "overlaps": [{"muscle": one, "other": other, "nodes": nodes, "deepest_mm": depth} for one, other, nodes, depth in result.overlaps],
+        "not_imported": result.problems,
+    }
+
+
+def readme(result: Anatomy, anatomy: AnatomyMap) -> str:
+    lines = [f"# {anatomy.title}", "", f"Licence: {anatomy.licence}{' (not for commercial use)' if anatomy.is_non_commercial else ''}. "
+             f"Made by `tools/import` from the published meshes{f' ({anatomy.source})' if anatomy.source else ''}, which it changed as listed here.", ""]
+    lines += ["Cite:", "", *(f"- {one}" for one in anatomy.cite), ""] if anatomy.cite else []
+    lines += ["| mesh | kind | triangles in the file | here | largest error (mm) | changes |", "| --- | --- | ---: | ---: | ---: | --- |"]
+    for name, part in result.parts.items():
+        tendon = ["tendon added"] if part.tendon is not None else []
+        deep = [f"which is {part.tendon_in_bone[1]:.1f} mm deep in {part.tendon_in_bone[0]}"] if part.tendon_in_bone[0] else []
+        words = [*part.repairs, *tendon, *deep]
+        lines.append(f"| {name} | {part.found.kind} | {part.raw_triangles} | {len(part.surface.triangles)} | {part.error_mm:.3f} | {'; '.join(words) or '-'} |")
+    lines += ["", "| muscle | end | bone | nodes | mean distance (mm) |", "| --- | --- | --- | ---: | ---: |"]
+    lines += [f"| {muscle.name} | {area.role} | {area.bone} | {len(area.nodes)} | {area.mean_gap:.2f} |"
+              for muscle in result.muscles for area in muscle.areas]
+    for joint in result.joints:
+        fitted = f", fitted with a radius of {joint.axis.radius:.1f} mm, {joint.axis.rms:.2f} mm off (RMS)" if joint.axis.rms == joint.axis.rms else ""
+        pairs = "; ".join(f"{pair} by {depth:.1f} mm" for pair, depth in joint.deepest.items())
+        lines += ["", f"Joint {joint.name}: {joint.from_deg:g} to {joint.to_deg:g} degrees{fitted}. "
+                  f"Bones come deeper into each other than at rest: {pairs or 'nowhere'}."]
+        if stays := [muscle.name for muscle in result.muscles if not is_moved(muscle, joint)]:
+            lines += ["", f"These do not cross it and have no scene: {', '.join(stays)}."]
+    if result.overlaps:
+        lines += ["", "| muscle | in | nodes | deepest (mm) |", "| --- | --- | ---: | ---: |"]
+        lines += [f"| {one} | {other} | {nodes} | {depth:.2f} |" for one, other, nodes, depth in result.overlaps]
+    if result.problems:
+        lines += ["", "Not imported:", "", *(f"- {problem}" for problem in result.problems)]
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,255 @@
+"""From a folder of meshes and a map to surfaces, attachments, joints and scenes."""
+
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..program.cli import Problem
+from .anatomy_map import UNITS, AnatomyMap, Found, JointWords, MuscleWords
+from .attaching import Area, areas_near_bones, check_muscle, distances_to, end_of_tendon
+from .joint_axis import Axis, articulating_points, fit_cylinder, fit_sphere
+from .mesh_file import Mended, mend, read_mesh
+from .resolution import decimated
+from .scene_files import Joint, MusclePart
+from .surface import Points, SignedDistance, Surface, sample_points
+from .tendon import FILLET_MM, Tendon, deepest_in_bones, tendon_path, with_tendon
+from .units import unit_of
+
+REACH_MM = 30.0  # how far distances to bones are looked for
+BESIDE_MM = 15.0  # a bone whose box comes nearer than that may be touched
+ANGLES = 9  # at which a joint is looked at
+
+Say = Callable[[str], None]
+
+
+@dataclass
+class Part:
+    """Of one file, in millimetres."""
+
+    found: Found
+    raw_triangles: int
+    surface: Surface
+    repairs: list[str]
+    error_mm: float = 0.0  # of what was decimated and drawn anew; largest, without the tendon
+    tendon: Points | None = None  # its path
+    tendon_in_bone: tuple[str, float] = ("", 0.0)  # bone, how deep (mm)
+
+
+@dataclass
+class Anatomy:
+    unit: str
+    parts: dict[str, Part]
+    muscles: list[MusclePart]
+    joints: list[Joint]
+    overlaps: list[tuple[str, str, int, float]]  # muscle, other, nodes inside it, deepest (mm)
+    problems: list[str] = field(default_factory=list)
+    without_tendons: dict[str, tuple[Surface, float]] = field(default_factory=dict)  # what a muscle was, and its tendon's radius
+
+    def surfaces(self, *kinds: str) -> dict[str, Surface]:
+        return {name: part.surface for name, part in self.parts.items() if part.found.kind in kinds}
+
+
+def import_anatomy(files: list[Found], anatomy: AnatomyMap, problems: list[str], say: Say) -> Anatomy:
+    """What can be imported, and a line for each file that can't. Raises Problem where nothing can."""
+    raw = _read(files, problems, say)
+    if not raw:
+        raise Problem(f"{anatomy.path}: no mesh of the folder can be used:\n  " + "\n  ".join(problems))
+    unit = unit_of({found.path.name: surface.diagonal for found, surface in raw}, anatomy.unit)
+    parts = _mended(raw, UNITS[unit], problems, say)
+    _check_names(anatomy, parts)
+    result = Anatomy(unit, parts, [], [], [], problems)
+    _add_tendons(result, anatomy, say)
+    _decimate(result, anatomy.error_mm, say)
+    say("fitting joints")
+    result.joints = [_joint(words, result) for words in anatomy.joints]
+    say("finding attachments")
+    for name, part in list(parts.items()):
+        if part.found.kind == "muscle":
+            _attach(result, anatomy, name, part)
+    result.overlaps = _overlaps(result.surfaces("muscle"))
+    return result
+
+
+def _read(files: list[Found], problems: list[str], say: Say) -> list[tuple[Found, Surface]]:
+    raw = []
+    for found in files:
+        say(f"reading {found.path.name}")
+        try:
+            raw.append((found, read_mesh(found.path)))
+        except Problem as problem:
+            problems.append(str(problem))
+    return raw
+
+
+def _mended(raw: list[tuple[Found, Surface]], factor: float, problems: list[str], say: Say) -> dict[str, Part]:
+    parts = {}
+    for found, surface in raw:
+        say(f"repairing {found.name}")
+        try:
+            mended: Mended = mend(Surface(surface.vertices * factor, surface.triangles), str(found.path))
+        except Problem as problem:
+            problems.append(str(problem))
+            continue
+        parts[found.name] = Part(found, len(surface.triangles), mended.surface, mended.repairs)
+    return parts
+
+
+def _check_names(anatomy: AnatomyMap, parts: dict[str, Part]) -> None:
+    """Raises Problem for a name that the folder has not."""
+    solid = [name for name, part in parts.items() if part.found.kind != "muscle"]
+    for place, name in [(f"joint {joint.name}", name) for joint in anatomy.joints for name in (*joint.moves, joint.surface, joint.facing) if name]:
+        if name not in solid:
+            raise Problem(f"{anatomy.path}: {place} names '{name}', and there is no such bone or cartilage; there are {', '.join(sorted(solid))}")
+    for words in anatomy.muscles:
+        for name in (*words.origin, *words.insertion, *([words.tendon.to] if words.tendon else [])):
+            if words.name in parts and name not in solid:
+                raise Problem(f"{anatomy.path}: muscle {words.name} names '{name}', and there is no such bone; there are {', '.join(sorted(solid))}")
+
+
+def _words_of(anatomy: AnatomyMap, name: str) -> MuscleWords:
+    return next((words for words in anatomy.muscles if words.name == name), MuscleWords(name))
+
+
+def _add_tendons(result: Anatomy, anatomy: AnatomyMap, say: Say) -> None:
+    bones = result.surfaces("bone", "cartilage")
+    for words in anatomy.muscles:
+        part = result.parts.get(words.name)
+        if part is None or words.tendon is None:
+            continue
+        say(f"adding the tendon of {words.name}")
+        factor = UNITS[result.unit]
+        at = on_surface(bones[words.tendon.to], words.tendon.at * factor)
+        tendon = Tendon(words.tendon.to, at, words.tendon.through * factor, words.tendon.radius)
+        try:
+            part.tendon = tendon_path(part.surface, tendon, bones)
+            part.tendon_in_bone = deepest_in_bones(part.tendon, tendon, bones)
+            without, part.surface = part.surface, with_tendon(part.surface, part.tendon, tendon.radius)
+            result.without_tendons[words.name] = (without, tendon.radius)
+        except Problem as problem:
+            result.problems.append(f"{part.found.path}: {problem}")
+            del result.parts[words.name]
+
+
+def on_surface(surface: Surface, point: Points) -> Points:
+    """The nearest point of the surface, to rounding."""
+    distance, found = SignedDistance(surface), point[None].copy()
+    for _ in range(4):
+        found -= distance(found)[:, None] * distance.gradients(found)
+    nearest: Points = found[0]
+    return nearest
+
+
+def _decimate(result: Anatomy, error_mm: float, say: Say) -> None:
+    names = list(result.parts)
+    say(f"decimating {len(names)} meshes to {error_mm:g} mm")
+    with ProcessPoolExecutor() as pool:
+        for name, (surface, gap) in zip(names, pool.map(decimated, [result.parts[name].surface for name in names], [error_mm] * len(names))):
+            result.parts[name].surface, result.parts[name].error_mm = surface, gap
+            say(f"decimated {name}")
+    for name, (muscle, radius) in result.without_tendons.items():
+        if name in result.parts:
+            result.parts[name].error_mm = _gap_beside_tendon(muscle, result.parts[name], radius)
+
+
+def _gap_beside_tendon(muscle: Surface, part: Part, radius: float) -> float:
+    """The largest distance of the given muscle's points from the surface that has a tendon, and of that surface's from the muscle, where there is none."""
+    assert part.tendon is not None
+    gaps = []
+    for points, other in ((sample_points(muscle), part.surface), (sample_points(part.surface), muscle)):
+        to_tendon = cKDTree(part.tendon).query(points, distance_upper_bound=radius + 3 * FILLET_MM)[0]
+        gaps.append(float(np.abs(SignedDistance(other)(points[~np.isfinite(to_tendon)])).max()))
+    return max(gaps)
+
+
+def _joint(words: JointWords, result: Anatomy) -> Joint:
+    solids = result.surfaces("bone", "cartilage")
+    if words.axis is not None and words.centre is not None:
+        axis = Axis(words.axis / np.linalg.norm(words.axis), words.centre * UNITS[result.unit], float("nan"), float("nan"))
+    else:
+        points = articulating_points(solids[words.surface], solids[words.facing] if words.facing else None)
+        if len(points) < 20:
+            raise Problem(f"joint {words.name}: {words.surface} faces {words.facing} nowhere within reach; name another surface, or give axis and centre")
+        assert words.axis_towards is not None
+        axis = (fit_cylinder if words.fit == "cylinder" else fit_sphere)(points, words.axis_towards)
+    joint = Joint(words.name, words.moves, axis, words.from_deg, words.to_deg)
+    joint.deepest = _bones_in_bones(joint, result.surfaces("bone"))
+    return joint
+
+
+def turned(points: Points, axis: Axis, angle_deg: float) -> Points:
+    """About the axis, right-handed."""
+    relative, k, angle = points - axis.centre, axis.direction, np.radians(angle_deg)
+    moved: Points = relative * np.cos(angle) + np.cross(k, relative) * np.sin(angle) + np.outer(relative @ k, k) * (1 - np.cos(angle))
+    return moved + axis.centre
+
+
+def _bones_in_bones(joint: Joint, bones: dict[str, Surface]) -> dict[str, float]:
+    """How much deeper than at rest a moved bone comes into one that stays, over the motion."""
+    fields = {name: SignedDistance(bone) for name, bone in bones.items() if name not in joint.moves}
+    found = {}
+    for name in (one for one in joint.moves if one in bones):
+        for other, distance in fields.items():
+            depths = [float(np.maximum(-distance.within(turned(bones[name].vertices, joint.axis, angle), 1.0), 0).max())
+                      for angle in (0.0, *np.linspace(joint.from_deg, joint.to_deg, ANGLES))]
+            if max(depths) > depths[0]:
+                found[f"{name} in {other}"] = max(depths) - depths[0]
+    return found
+
+
+def _attach(result: Anatomy, anatomy: AnatomyMap, name: str, part: Part) -> None:
+    words = _words_of(anatomy, name)
+    near = words.near_mm or anatomy.near_mm
+    bones = result.surfaces("bone", "cartilage")
+    distances = distances_to(part.surface, bones, REACH_MM)
+    try:
+        areas = _areas(part, words, near, distances)
+        check_muscle(name, part.surface, distances, areas, near)
+    except Problem as problem:
+        result.problems.append(f"{part.found.path}: {problem}")
+        del result.parts[name]
+        return
+    result.muscles.append(MusclePart(name, part.surface, areas, _bones_beside(result, part.surface, areas)))
+
+
+def _areas(part: Part, words: MuscleWords, near: float, distances: dict[str, Points]) -> list[Area]:
+    roles = dict.fromkeys(words.insertion, "insertion") | dict.fromkeys(words.origin, "origin")
+    allowed = np.ones(len(part.surface.vertices), dtype=bool)
+    ends = []
+    if part.tendon is not None and words.tendon is not None:
+        allowed = np.min(np.linalg.norm(part.surface.vertices[:, None] - part.tendon[None, 1::4], axis=2), axis=1) > 2 * words.tendon.radius
+        ends.append(end_of_tendon(part.surface, words.tendon.to, distances[words.tendon.to], part.tendon[-1], words.tendon.radius))
+        if not len(ends[0].nodes):
+            raise Problem(f"its tendon does not reach {words.tendon.to}; give `at` on the bone")
+    areas = areas_near_bones(part.surface, distances, near, roles, allowed)
+    if ends and not words.origin:
+        areas = [Area(area.bone, "origin", area.nodes, area.mean_gap) for area in areas]
+    return areas + ends
+
+
+def _bones_beside(result: Anatomy, muscle: Surface, areas: list[Area]) -> list[str]:
+    low, high = muscle.vertices.min(axis=0) - BESIDE_MM, muscle.vertices.max(axis=0) + BESIDE_MM
+    attached = {area.bone for area in areas}
+    found = []
+    for name, bone in result.surfaces("bone", "cartilage").items():
+        is_solid = result.parts[name].found.kind == "bone" or name in attached
+        places = [bone.vertices]
+        for joint in result.joints:
+            if name in joint.moves:
+                places += [turned(bone.vertices, joint.axis, angle) for angle in np.linspace(joint.from_deg, joint.to_deg, 3)]
+        if name in attached or (is_solid and any(bool(np.all((place > low) & (place < high), axis=1).any()) for place in places)):
+            found.append(name)
+    return found
+
+
+def _overlaps(muscles: dict[str, Surface]) -> list[tuple[str, str, int, float]]:
+    found = []
+    names = list(muscles)
+    for one in names:
+        for other in (name for name in names if name != one):
+            depths = -SignedDistance(muscles[other]).within(muscles[one].vertices, 1.0)
+            if inside := int(np.count_nonzero(depths > 0)):
+                found.append((one, other, inside, float(depths.max())))
+    return found

@@ -1,0 +1,37 @@
+"""Fewer triangles within a wanted error."""
+
+import vtk
+
+from .mesh_file import open_edges
+from .surface import Surface, as_vtk, from_vtk, largest_gap
+
+TRIES = 6
+FEWEST = 200  # triangles
+KEPT_SHARES = (0.02, 1.0)
+
+
+def decimated(surface: Surface, error_mm: float) -> tuple[Surface, float]:
+    """By quadric edge collapse, with the largest distance between the two surfaces, which is at most `error_mm`. The surface itself
+    where nothing smaller holds it."""
+    least, most = max(KEPT_SHARES[0], FEWEST / len(surface.triangles)), KEPT_SHARES[1]
+    best, gap = surface, 0.0
+    for _ in range(TRIES):
+        if least >= most:
+            break
+        share = (least * most) ** 0.5
+        tried = _collapsed(surface, share)
+        found = largest_gap(surface, tried)
+        if found <= error_mm and not open_edges(tried):
+            best, gap, most = tried, found, share
+        else:
+            least = share
+    return best, gap
+
+
+def _collapsed(surface: Surface, share: float) -> Surface:
+    collapse = vtk.vtkQuadricDecimation()
+    collapse.SetInputData(as_vtk(surface))
+    collapse.SetTargetReduction(1 - share)
+    collapse.VolumePreservationOn()
+    collapse.Update()
+    return from_vtk(collapse.GetOutput())

@@ -1,0 +1,87 @@
+"""Scenes as TOML files, and the places where muscles are attached."""
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from .anatomy_map import AnatomyMap
+from .attaching import Area
+from .joint_axis import Axis
+from .surface import Points, Surface
+
+AREAS_FILE = "attachments.json"
+
+
+@dataclass
+class Joint:
+    """In millimetres."""
+
+    name: str
+    moves: list[str]
+    axis: Axis
+    from_deg: float
+    to_deg: float
+    deepest: dict[str, float] = field(default_factory=dict)  # {two bones: how deep they are in each other at most, mm}
+
+
+@dataclass
+class MusclePart:
+    name: str
+    surface: Surface
+    areas: list[Area]
+    bones: list[str]  # that it may touch
+
+
+def scene_text(anatomy: AnatomyMap, joint: Joint | None, muscles: list[MusclePart], effects: str) -> str:
+    """`effects`: lines of the scene's effects."""
+    bones = list(dict.fromkeys(bone for muscle in muscles for bone in muscle.bones))
+    names = ", ".join(muscle.name.replace("_", " ") for muscle in muscles)
+    lines = [f"title = {_quoted(f'{anatomy.title}: {names}')}", 'preset = "standard"', "", *source_lines(anatomy), ""]
+    for bone in bones:
+        lines += ["[[bone]]", f"name = {_quoted(bone)}", f"mesh = {_quoted(f'../../meshes/{bone}.ply')}"]
+        if joint is not None and bone in joint.moves:
+            lines += ["[bone.motion]", f"axis = {_point(joint.axis.direction)}", f"centre_m = {_point(joint.axis.centre / 1000)}",
+                      f"from_deg = {joint.from_deg:g}", f"to_deg = {joint.to_deg:g}", 'course = "rest_first"']
+        lines.append("")
+    for muscle in muscles:
+        lines += ["[[muscle]]", f"name = {_quoted(muscle.name)}", f"mesh = {_quoted(f'../../meshes/{muscle.name}.ply')}", 'fibres = "between_attachments"', ""]
+    for muscle in muscles:
+        for area in muscle.areas:
+            lines += ["[[attachment]]", f"name = {_quoted(f'{muscle.name}_{area.name}' if len(muscles) > 1 else area.name)}",
+                      f"muscle = {_quoted(muscle.name)}", f"bone = {_quoted(area.bone)}", 'near = "points"',
+                      f"outline = {_quoted(f'../../{AREAS_FILE}#{muscle.name}/{area.role}/{area.bone}')}",
+                      f"distance_m = {half_edge_m(muscle.surface):.6f}   # half an edge: split meshes are attached alike", ""]
+    return "\n".join([*lines, effects.strip(), ""])
+
+
+def source_lines(anatomy: AnatomyMap) -> list[str]:
+    lines = ["[source]", f"licence = {_quoted(anatomy.licence)}", f"non_commercial = {str(anatomy.is_non_commercial).lower()}"]
+    lines += [f"cite = {json.dumps(anatomy.cite, ensure_ascii=False)}"] if anatomy.cite else []
+    return lines + ([f"url = {_quoted(anatomy.source)}"] if anatomy.source else [])
+
+
+def half_edge_m(surface: Surface) -> float:
+    corners = surface.corners
+    return float(np.median(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)) / 2000)
+
+
+def areas_json(muscles: list[MusclePart]) -> str:
+    entries = [{"muscle": muscle.name, "role": area.role, "part": area.bone,
+                "points_m": np.round(muscle.surface.vertices[area.nodes] / 1000, 7).tolist()} for muscle in muscles for area in muscle.areas]
+    return json.dumps({"attachments": entries}) + "\n"
+
+
+def write_mesh(path: Path, surface: Surface, comments: tuple[str, ...]) -> None:
+    """In metres."""
+    from ..lhdl.write_ply import write_ply
+    write_ply(path, surface.vertices / 1000, surface.triangles.astype(np.int32), comments)
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False)
+
+
+def _point(values: Points) -> str:
+    return f"[{', '.join(f'{value:.9g}' for value in values)}]"

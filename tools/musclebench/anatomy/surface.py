@@ -1,0 +1,114 @@
+"""A surface of triangles, as the importer works on it, and distances from it."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import vtk
+from numpy.typing import NDArray
+from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+
+from ..pictures.rendering import poly_data
+
+Points = NDArray[np.float64]  # (n, 3)
+Triangles = NDArray[np.int64]  # (m, 3)
+Values = NDArray[np.float64]  # (n,)
+
+
+@dataclass
+class Surface:
+    """Vertices in millimetres unless a function says otherwise; triangles face outward where the surface is closed."""
+
+    vertices: Points
+    triangles: Triangles
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """(m, 3, 3)"""
+        return self.vertices[self.triangles]
+
+    @property
+    def diagonal(self) -> float:
+        return float(np.linalg.norm(np.ptp(self.vertices, axis=0)))
+
+    @property
+    def volume(self) -> float:
+        """Positive where triangles face outward."""
+        a, b, c = np.moveaxis(self.corners - self.vertices.mean(axis=0), 1, 0)
+        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+
+    @property
+    def areas(self) -> Values:
+        a, b, c = np.moveaxis(self.corners, 1, 0)
+        found: Values = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+        return found
+
+
+def as_vtk(surface: Surface) -> Any:
+    return poly_data(surface.vertices, surface.triangles)
+
+
+def from_vtk(data: Any) -> Surface:
+    """Triangles of polygon data; vertices stay as they are, also those at one place."""
+    triangles = vtk.vtkTriangleFilter()
+    triangles.SetInputData(data)
+    triangles.PassVertsOff()
+    triangles.PassLinesOff()
+    triangles.Update()
+    result = triangles.GetOutput()
+    if not result.GetNumberOfPoints() or not result.GetNumberOfPolys():
+        return Surface(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
+    corners = vtk_to_numpy(result.GetPolys().GetConnectivityArray()).reshape(-1, 3)
+    return Surface(vtk_to_numpy(result.GetPoints().GetData()).astype(np.float64), corners.astype(np.int64))
+
+
+def merged(surfaces: list[Surface]) -> Surface:
+    starts = np.cumsum([0, *(len(one.vertices) for one in surfaces)])
+    return Surface(np.concatenate([one.vertices for one in surfaces]),
+                   np.concatenate([one.triangles + start for one, start in zip(surfaces, starts)]))
+
+
+class SignedDistance:
+    """Signed distance to a closed surface: negative inside. In the surface's unit."""
+
+    def __init__(self, surface: Surface):
+        self._low, self._high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
+        self._data = as_vtk(surface)  # VTK keeps no reference that Python knows of
+        self._function = vtk.vtkImplicitPolyDataDistance()
+        self._function.SetInput(self._data)
+
+    def __call__(self, points: Points) -> Values:
+        if not len(points):
+            return np.empty(0)
+        asked = numpy_to_vtk(np.ascontiguousarray(points), deep=True)
+        told = vtk.vtkDoubleArray()
+        self._function.FunctionValue(asked, told)
+        found: Values = vtk_to_numpy(told).copy()
+        return found
+
+    def within(self, points: Points, reach: float) -> Values:
+        """Infinite where a point is farther than `reach` from the surface's box."""
+        found = np.full(len(points), np.inf)
+        near = np.all((points > self._low - reach) & (points < self._high + reach), axis=1)
+        found[near] = self(points[near])
+        return found
+
+    def gradients(self, points: Points) -> Points:
+        found = np.empty_like(points)
+        gradient = [0.0, 0.0, 0.0]
+        for i, point in enumerate(points):
+            self._function.EvaluateGradient(point, gradient)
+            found[i] = gradient
+        return found
+
+
+def sample_points(surface: Surface) -> Points:
+    """Vertices, middles of edges and of triangles: where one surface is compared with another."""
+    corners = surface.corners
+    edges = (corners + np.roll(corners, 1, axis=1)).reshape(-1, 3) / 2
+    return np.concatenate([surface.vertices, edges[::2], corners.mean(axis=1)])
+
+
+def largest_gap(one: Surface, other: Surface) -> float:
+    """Distance between two surfaces, both ways: the largest from a point of either to the other, at `sample_points`."""
+    return max(float(np.abs(SignedDistance(to)(sample_points(of))).max()) for of, to in ((one, other), (other, one)))

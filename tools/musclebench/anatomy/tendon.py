@@ -1,0 +1,177 @@
+"""A tendon that a segmentation left out: a tube from the end of a muscle around bones to where it inserts, one surface with the muscle."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import vtk
+from numpy.typing import NDArray
+from scipy.ndimage import distance_transform_edt
+from scipy.spatial import cKDTree
+from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+
+from ..program.cli import Problem
+from .mesh_file import mend
+from .surface import Points, SignedDistance, Surface, Values, as_vtk, from_vtk
+
+CELL_MM = 0.8
+STEP_MM = 2.0  # between points of the path
+TIP_MM = 12.0  # of the muscle's end, where the tube begins
+GAP_MM = 0.5  # between tendon and bone
+ROUNDS = 300
+PUSHES = 20
+FILLET_MM = 4.0  # how far tube and muscle are blended
+BAND_CELLS = 2.5
+
+
+@dataclass
+class Tendon:
+    """Millimetres, in the frame of the meshes."""
+
+    bone: str
+    at: Points  # (3,) where it inserts
+    through: Points  # (n, 3) places that it runs through, from the muscle on; sheaths and pulleys
+    radius: float
+
+
+def tendon_path(muscle: Surface, tendon: Tendon, bones: dict[str, Surface]) -> Points:
+    """Points from inside the muscle's end to the insertion, about STEP_MM apart: the shortest path through the given places that
+    leaves room for the tendon beside the bones."""
+    towards = tendon.through[0] if len(tendon.through) else tendon.at
+    inner, tip = _end_of(muscle, towards)
+    fields = {name: SignedDistance(bone) for name, bone in bones.items()}
+    through = np.concatenate([tendon.through, [tendon.at]])  # places are told by eye, and may be too near to a bone
+    for _ in range(PUSHES):
+        through = _pushed_out(through, np.zeros(len(through), dtype=bool), fields, tendon)
+    knots = np.concatenate([[inner, tip], through[:-1], [tendon.at]])
+    points, is_fixed = _subdivided(knots)
+    for _ in range(ROUNDS):
+        middles = points.copy()
+        middles[1:-1] = (points[:-2] + points[2:]) / 2
+        points = np.where(is_fixed[:, None], points, middles)
+        points = _pushed_out(points, is_fixed, fields, tendon)
+    return points
+
+
+def deepest_in_bones(path: Points, tendon: Tendon, bones: dict[str, Surface]) -> tuple[str, float]:
+    """How deep the tendon is in a bone, at its end without the bone that it ends on."""
+    worst = ("", 0.0)
+    for name, bone in bones.items():
+        points = path[np.linalg.norm(path - path[-1], axis=1) > 2 * tendon.radius] if name == tendon.bone else path
+        depth = float((tendon.radius - SignedDistance(bone).within(points, tendon.radius)).max(initial=0.0))
+        worst = max(worst, (name, depth), key=lambda one: one[1])
+    return worst
+
+
+def with_tendon(muscle: Surface, path: Points, radius: float) -> Surface:
+    """The muscle and a tube of `radius` around `path`, blended into each other. Raises Problem where they do not meet."""
+    low = np.minimum(muscle.vertices.min(axis=0), path.min(axis=0) - radius) - 4 * CELL_MM
+    high = np.maximum(muscle.vertices.max(axis=0), path.max(axis=0) + radius) + 4 * CELL_MM
+    shape = np.ceil((high - low) / CELL_MM).astype(int) + 1
+    in_muscle = _sampled(muscle, low, shape)
+    tube = _tube(path, radius, low, shape)
+    # Smooth minimum of two distances, by a cubic polynomial of their difference.
+    blend = np.maximum(FILLET_MM - np.abs(in_muscle - tube), 0.0) / FILLET_MM
+    united = np.minimum(in_muscle, tube) - blend**3 * FILLET_MM / 6
+    mended = mend(_contour(united, low), "muscle and tendon").surface
+    mended.vertices = _on_muscle(mended.vertices, muscle, path, radius)
+    if mended.volume < muscle.volume:
+        raise Problem("muscle and tendon do not meet; let `through_mm` begin at the muscle's end")
+    return mended
+
+
+def _on_muscle(vertices: Points, muscle: Surface, path: Points, radius: float) -> Points:
+    """The grid has cut corners: where there is no tendon, vertices go back to the muscle's surface."""
+    reached = cKDTree(path).query(vertices, distance_upper_bound=radius + 2 * FILLET_MM)[0]
+    away = np.flatnonzero(~np.isfinite(reached))
+    distance = SignedDistance(muscle)
+    moved = vertices.copy()
+    moved[away] -= distance(vertices[away])[:, None] * distance.gradients(vertices[away])
+    return moved
+
+
+def _end_of(muscle: Surface, towards: Points) -> tuple[Points, Points]:
+    """A place inside the muscle and one at its tip, of the end that points to `towards`."""
+    centre = muscle.vertices.mean(axis=0)
+    axis = np.linalg.svd(muscle.vertices - centre, full_matrices=False)[2][0]
+    axis *= np.sign(axis @ (towards - centre)) or 1.0
+    along = (muscle.vertices - centre) @ axis
+    tip = muscle.vertices[along > along.max() - TIP_MM / 3].mean(axis=0)
+    inner = muscle.vertices[(along > along.max() - 2 * TIP_MM) & (along < along.max() - TIP_MM)].mean(axis=0)
+    return inner, tip
+
+
+def _subdivided(knots: Points) -> tuple[Points, NDArray[np.bool_]]:
+    points, is_fixed = [knots[:1]], [True]
+    for start, end in zip(knots[:-1], knots[1:]):
+        count = max(1, round(float(np.linalg.norm(end - start)) / STEP_MM))
+        points.append(start + np.linspace(0, 1, count + 1)[1:, None] * (end - start))
+        is_fixed += [False] * (count - 1) + [True]
+    is_fixed[round(float(np.linalg.norm(knots[1] - knots[0])) / STEP_MM) or 1] = False  # the tip only says where to begin
+    return np.concatenate(points), np.array(is_fixed)
+
+
+def _pushed_out(points: Points, is_fixed: NDArray[np.bool_], fields: dict[str, SignedDistance], tendon: Tendon) -> Points:
+    """The insertion lies on its bone: towards it the clearance goes to nothing."""
+    moved = points.copy()
+    clearance = tendon.radius + GAP_MM
+    for name, field in fields.items():
+        wanted = np.minimum(clearance, np.linalg.norm(points - points[-1], axis=1)) if name == tendon.bone else clearance
+        lacking = wanted - field.within(moved, clearance)
+        deep = np.flatnonzero((lacking > 0) & ~is_fixed)
+        if len(deep):
+            moved[deep] += lacking[deep, None] * field.gradients(moved[deep])
+    moved[-1] = points[-1]
+    return moved
+
+
+def _nodes(low: Points, shape: NDArray[np.int_]) -> Points:
+    axes = [low[k] + CELL_MM * np.arange(shape[k]) for k in range(3)]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
+
+
+def _sampled(surface: Surface, low: Points, shape: NDArray[np.int_]) -> Values:
+    """Signed distance at grid points: exact in a band around the surface, to a cell elsewhere."""
+    stencil = vtk.vtkPolyDataToImageStencil()
+    stencil.SetInputData(as_vtk(surface))
+    stencil.SetOutputOrigin(*low)
+    stencil.SetOutputSpacing(CELL_MM, CELL_MM, CELL_MM)
+    stencil.SetOutputWholeExtent(0, int(shape[0]) - 1, 0, int(shape[1]) - 1, 0, int(shape[2]) - 1)
+    filled = vtk.vtkImageStencilToImage()
+    filled.SetInputConnection(stencil.GetOutputPort())
+    filled.SetInsideValue(1)
+    filled.SetOutsideValue(0)
+    filled.Update()
+    inside = vtk_to_numpy(filled.GetOutput().GetPointData().GetScalars()).reshape(shape[::-1]).transpose(2, 1, 0) > 0
+    coarse = CELL_MM * (distance_transform_edt(~inside) - distance_transform_edt(inside))
+    band = np.abs(coarse) < BAND_CELLS * CELL_MM
+    coarse[band] = SignedDistance(surface)(low + CELL_MM * np.argwhere(band))
+    found: Values = coarse
+    return found
+
+
+def _tube(path: Points, radius: float, low: Points, shape: NDArray[np.int_]) -> Values:
+    """Distance to a tube; where it is farther than the blend reaches, only that it is."""
+    dense = np.concatenate([start + np.linspace(0, 1, 16, endpoint=False)[:, None] * (end - start) for start, end in zip(path[:-1], path[1:])] + [path[-1:]])
+    reach = radius + 2 * FILLET_MM
+    found: Values = np.full(shape, reach - radius)
+    first = np.maximum(np.floor((dense.min(axis=0) - reach - low) / CELL_MM).astype(int), 0)
+    last = np.minimum(np.ceil((dense.max(axis=0) + reach - low) / CELL_MM).astype(int) + 1, shape)
+    part = tuple(slice(a, b) for a, b in zip(first, last))
+    nodes = _nodes(low + CELL_MM * first, last - first)
+    distances, _ = cKDTree(dense).query(nodes.reshape(-1, 3), distance_upper_bound=reach)
+    found[part] = np.minimum(distances, reach).reshape(nodes.shape[:3]) - radius
+    return found
+
+
+def _contour(values: Values, low: Points) -> Surface:
+    image = vtk.vtkImageData()
+    image.SetDimensions(*values.shape)
+    image.SetOrigin(*low)
+    image.SetSpacing(CELL_MM, CELL_MM, CELL_MM)
+    image.GetPointData().SetScalars(numpy_to_vtk(values.transpose(2, 1, 0).ravel(), deep=True))
+    contour = vtk.vtkFlyingEdges3D()
+    contour.SetInputData(image)
+    contour.SetValue(0, 0.0)
+    contour.ComputeNormalsOff()
+    contour.Update()
+    return from_vtk(contour.GetOutput())

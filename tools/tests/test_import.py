@@ -1,0 +1,281 @@
+"""From a folder of meshes to scenes: what is found, what is refused, and that the scenes run."""
+
+import importlib
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import vtk
+
+from musclebench.anatomy import units
+from musclebench.anatomy.anatomy_map import find_files, read_map
+from musclebench.anatomy.attaching import areas_near_bones, distances_to
+from musclebench.anatomy.importing import on_surface, turned
+from musclebench.anatomy.joint_axis import Axis, articulating_points, fit_cylinder, fit_sphere
+from musclebench.anatomy.mesh_file import mend, open_edges, read_mesh
+from musclebench.anatomy.resolution import decimated
+from musclebench.anatomy.surface import SignedDistance, Surface, as_vtk, from_vtk, largest_gap, merged
+from musclebench.anatomy.tendon import GAP_MM, Tendon, deepest_in_bones, tendon_path, with_tendon
+from musclebench.program.cli import Problem
+
+PROJECT = Path(__file__).resolve().parents[2]
+WRITERS = {".stl": vtk.vtkSTLWriter, ".ply": vtk.vtkPLYWriter, ".obj": vtk.vtkOBJWriter, ".vtp": vtk.vtkXMLPolyDataWriter, ".vtk": vtk.vtkPolyDataWriter}
+MAP = """
+title = "A knee"
+licence = "CC BY 4.0"
+cite = ["Nobody (2026)"]
+near_mm = 2.0
+[files]
+bone = 'Right_Bone_(?P<name>[A-Za-z]+)'
+muscle = 'Right_Muscle_(?P<name>[A-Za-z]+)'
+[[joint]]
+name = "knee"
+moves = ["femur"]
+axis = [-1, 0, 0]
+centre = [0, 0, 0]
+from_deg = 0
+to_deg = 40
+"""
+
+import_tool = importlib.import_module("import")
+
+
+def ball(radius=10.0, centre=(0, 0, 0), cells=24) -> Surface:
+    source = vtk.vtkSphereSource()
+    source.SetRadius(radius)
+    source.SetCenter(*centre)
+    source.SetThetaResolution(cells)
+    source.SetPhiResolution(cells)
+    source.Update()
+    return mend(from_vtk(source.GetOutput()), "ball").surface
+
+
+def spindle(length=100.0, radius=8.0) -> Surface:
+    """Along z, from 0 to its length."""
+    long = ball(1.0, cells=40)
+    return Surface(long.vertices * [radius, radius, length / 2] + [0, 0, length / 2], long.triangles)
+
+
+def write(surface: Surface, path: Path) -> Path:
+    writer = WRITERS[path.suffix]()
+    writer.SetInputData(as_vtk(surface))
+    writer.SetFileName(str(path))
+    writer.Write()
+    return path
+
+
+@pytest.fixture(scope="module")
+def knee(tmp_path_factory) -> Path:
+    """The knee of the README as a stranger has it: STL in millimetres, each vertex several times, one mesh inside out."""
+    made, folder = tmp_path_factory.mktemp("made"), tmp_path_factory.mktemp("knee")
+    subprocess.run([sys.executable, PROJECT / "datasets/examples/knee.py", made], check=True, capture_output=True)
+    for file, name in (("tibia.ply", "Bone_Tibia"), ("femur.obj", "Bone_Femur"), ("popliteus.stl", "Muscle_Popliteus")):
+        surface = read_mesh(made / file)
+        write(Surface(surface.vertices * 1000, surface.triangles[:, ::-1] if "femur" in file else surface.triangles), folder / f"VHF_Right_{name}_smooth.stl")
+    (folder / "map.toml").write_text(MAP)
+    return folder
+
+
+def run(folder: Path, out: Path, *words: str, text: str = "") -> int:
+    if text:
+        (out.parent / "map.toml").write_text(text)
+    return import_tool.main([str(folder), "--map", str(out.parent / "map.toml" if text else folder / "map.toml"), "--out", str(out), "--no-pictures", *words])
+
+
+def test_a_knee_becomes_a_scene_that_runs(knee, tmp_path, capsys):
+    assert run(knee, tmp_path / "out") == 0
+    told = capsys.readouterr()
+    assert "2 bones, 0 cartilages, 1 muscle, unit mm; 1 scene, such as" in told.out and "Licence: CC BY 4.0." in told.out
+    assert all(line.startswith("import: ") for line in told.err.splitlines())
+    about = json.loads((tmp_path / "out" / "import.json").read_text())
+    assert {one["name"]: one["repairs"] for one in about["meshes"]}["femur"] == ["turned inside out, and turned back"]
+    assert all(one["error_mm"] <= 0.1 and one["triangles"] < one["triangles_in_file"] for one in about["meshes"])
+    areas = {(one["bone"], one["role"]) for one in about["attachments"]}
+    assert areas == {("tibia", "insertion"), ("femur", "origin")} or areas == {("tibia", "origin"), ("femur", "insertion")}
+    scene = tmp_path / "out" / "scenes" / "knee" / "popliteus.toml"
+    if program := os.environ.get("MUSCLEBENCH_BINARY"):
+        done = subprocess.run([program, "run", scene, "--backend", "bvh", "--frames", "10", "--out", tmp_path / "run"], capture_output=True, text=True,
+                              timeout=120, check=False)
+        assert done.returncode == 0, done.stderr
+        result = json.loads((tmp_path / "run" / "run.json").read_text())
+        assert result["source"]["licence"] == "CC BY 4.0" and "CC BY 4.0" in done.stdout
+        bound = {one["name"]: one["nodes"] for one in result["attachments"]} if "attachments" in result else {}
+        assert all(bound.values())
+
+
+def test_an_import_replaces_nothing_else(knee, tmp_path, capsys):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "notes.txt").write_text("mine")
+    assert run(knee, tmp_path / "mine", "--force") == 2 and "is no import" in capsys.readouterr().err
+    assert run(knee, tmp_path / "out") == 0 and run(knee, tmp_path / "out") == 2 and "--force" in capsys.readouterr().err
+    assert run(knee, tmp_path / "out", "--force") == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine", "out"] and (tmp_path / "mine" / "notes.txt").is_file()
+
+
+def test_what_cannot_be_used_is_listed_and_the_rest_goes_on(knee, tmp_path, capsys):
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    for path in knee.iterdir():
+        (folder / path.name).write_bytes(path.read_bytes())
+    tibia = read_mesh(folder / "VHF_Right_Bone_Tibia_smooth.stl")
+    half = tibia.corners.mean(axis=1)[:, 0] > 0
+    write(Surface(tibia.vertices, tibia.triangles[half]), folder / "Right_Bone_Half.stl")
+    write(ball(5, (300, 0, 0)), folder / "Right_Muscle_Adrift.stl")
+    write(ball(5, (0, 0, -80)), folder / "Right_Muscle_Swallowed.stl")
+    for name in ("Right_Muscle_Twice.stl", "VHF_Right_Muscle_Twice_smooth.stl"):
+        write(ball(5, (0, 0, -80)), folder / name)
+    (folder / "Right_Bone_Empty.stl").write_text("solid nothing\nendsolid\n")
+    assert run(folder, tmp_path / "out") == import_tool.CODE_PARTLY
+    lines = [line for line in capsys.readouterr().err.splitlines() if line.startswith("not imported: ")]
+    for name, words in (("Half", "is open"), ("Adrift", "touches no bone within 2 mm: none is within reach"), ("Swallowed", "of its nodes are inside tibia"),
+                        ("Muscle_Twice.stl", "'twice' is VHF_Right_Muscle_Twice_smooth.stl, too"), ("Empty", "holds no triangle")):
+        assert len([line for line in lines if name in line and words in line]) == 1, (name, lines)
+    assert len(lines) == 5
+    assert [path.name for path in (tmp_path / "out" / "scenes" / "knee").iterdir()] == ["popliteus.toml"]
+    assert "Adrift" in (tmp_path / "out" / "README.md").read_text()
+
+
+@pytest.mark.parametrize(("old", "new", "words"), [
+    ('licence = "CC BY 4.0"', "", "licence: is missing"), ("near_mm = 2.0", "nearmm = 2.0", "nearmm: is no key"),
+    ("(?P<name>[A-Za-z]+)'\nmuscle", "[A-Za-z]+'\nmuscle", "no group (?P<name>...)"),
+    ("'Right_Bone_", "'(Right_Bone_", "is no regular expression"),
+    ('moves = ["femur"]', 'moves = ["fibula"]', "there is no such bone or cartilage; there are femur, tibia"),
+    ("to_deg = 40", 'to_deg = "40"', "to_deg: has to be"),
+    ("axis = [-1, 0, 0]", "axis = [-1, 0]", "axis: has to be a point"), ("[files]", "[files", "is not valid TOML"),
+    ("'Right_Bone_", "'Left_Bone_", "there is no such bone or cartilage"),
+    ('title = "A knee"', 'title = "A knee"\nunit = "inch"', "unit 'inch' has to be one of"),
+])
+def test_a_wrong_map_is_told_in_one_line(knee, tmp_path, capsys, old, new, words):
+    assert MAP.count(old) == 1
+    assert run(knee, tmp_path / "out", text=MAP.replace(old, new)) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1 and words in lines[0] and "map.toml" in lines[0], lines
+    assert not (tmp_path / "out").exists() and len(list(tmp_path.iterdir())) == 1
+
+
+def test_the_unit_is_found_where_sizes_tell_it():
+    assert units.unit_of({"femur": 480.0, "patella": 60.0}, "") == "mm"
+    assert units.unit_of({"femur": 0.48, "patella": 0.06}, "") == "m"
+    with pytest.raises(Problem, match="mm and cm both fit"):
+        units.unit_of({"patella": 60.0}, "")
+    assert units.unit_of({"patella": 60.0}, "cm") == "cm"
+    with pytest.raises(Problem, match="no unit fits"):
+        units.unit_of({"house": 1e6}, "")
+    with pytest.raises(Problem, match="fibula: is 0.4 large, where the others are some 400: another unit"):
+        units.unit_of({"femur": 480.0, "tibia": 400.0, "fibula": 0.4}, "")
+
+
+@pytest.mark.parametrize("suffix", WRITERS)
+def test_all_formats_are_read_alike(tmp_path, suffix):
+    surface = mend(read_mesh(write(ball(12.5, (1, 2, 3)), tmp_path / f"ball{suffix}")), "ball").surface
+    assert open_edges(surface) == 0 and len(surface.vertices) == len(ball(cells=24).vertices)
+    assert surface.volume == pytest.approx(ball(12.5).volume, rel=1e-5)
+
+
+def test_meshes_are_mended():
+    sound = ball(10)
+    with_debris = merged([sound, ball(0.5, (30, 0, 0)), Surface(sound.vertices, sound.triangles[:1])])
+    mended = mend(with_debris, "ball")
+    assert mended.surface.volume == pytest.approx(sound.volume, rel=1e-9) and len(mended.repairs) == 2
+    (a, b, _), tip = sound.triangles[0], len(sound.vertices)
+    folded = Surface(np.concatenate([sound.vertices, [[0, 0, 11.0]]]), np.concatenate([sound.triangles, [[a, b, tip], [b, a, tip]]]))
+    assert open_edges(mend(folded, "fold").surface) == 0 and mend(folded, "fold").surface.volume == pytest.approx(sound.volume, rel=1e-9)
+    hole = mend(Surface(sound.vertices, sound.triangles[1:]), "ball")
+    assert open_edges(hole.surface) == 0 and "holes closed" in hole.repairs[0] and hole.surface.volume == pytest.approx(sound.volume, rel=1e-3)
+    with pytest.raises(Problem, match="is open"):
+        mend(Surface(sound.vertices, sound.triangles[sound.corners.mean(axis=1)[:, 2] > 0]), "half")
+
+
+def test_decimation_keeps_the_wanted_error():
+    fine = ball(20, cells=60)
+    for error in (0.05, 0.5):
+        coarse, told = decimated(fine, error)
+        assert told <= error and told == pytest.approx(largest_gap(fine, coarse)) and open_edges(coarse) == 0
+        # By the shape itself: no point of either is farther than told from a sphere, but for the fine mesh's own chords.
+        off = np.abs(np.linalg.norm(coarse.corners.mean(axis=1), axis=1) - 20).max()
+        assert error / 10 < off <= error + 0.03
+    assert len(coarse.triangles) < len(decimated(fine, 0.05)[0].triangles) < len(fine.triangles)
+
+
+def test_axes_are_those_of_the_shapes():
+    random = np.random.default_rng(1)
+    turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
+    angle, along = random.uniform(-0.6, 0.6, 500), random.uniform(-12, 12, 500)
+    points = np.column_stack([along, 20 * np.sin(angle), 20 * np.cos(angle)]) @ turn.T + [5, 6, 7]
+    for sign in (1, -1):
+        axis = fit_cylinder(points, sign * turn[:, 0])
+        assert axis.direction @ turn[:, 0] == pytest.approx(sign, abs=1e-9) and axis.radius == pytest.approx(20, abs=1e-6) and axis.rms < 1e-6
+        assert np.linalg.norm(np.cross(axis.centre - [5, 6, 7], turn[:, 0])) < 1e-6
+    on_ball = random.normal(size=(300, 3))
+    on_ball = 24 * on_ball[on_ball[:, 2] > 0] / np.linalg.norm(on_ball[on_ball[:, 2] > 0], axis=1)[:, None] + [1, 2, 3]
+    fitted = fit_sphere(on_ball, np.array([0, 2.0, 0]))
+    assert fitted.centre == pytest.approx([1, 2, 3], abs=1e-9) and fitted.radius == pytest.approx(24) and fitted.direction == pytest.approx([0, 1, 0])
+    facing = articulating_points(ball(10), ball(10, (0, 0, 22)))
+    assert 5 < len(facing) < 300 and facing[:, 2].min() > 5
+    axis = Axis(np.array([0, 0, 1.0]), np.array([1.0, 0, 0]), 1, 0)
+    assert turned(np.array([[2.0, 0, 5]]), axis, 90)[0] == pytest.approx([1, 1, 5])
+
+
+def test_a_tendon_goes_the_shortest_way_around_a_bone():
+    """Over a ball: straight, an arc at the tendon's distance, straight. The length is known."""
+    muscle, radius = spindle(), 2.0
+    bone, end = ball(15, (0, 0, 130), cells=60), ball(4, (0, 3, 170))
+    tendon = Tendon("end", on_surface(end, np.array([0, 3.0, 165.0])), np.array([[0.0, 18.5, 131.0]]), radius)
+    bones = {"bone": bone, "end": end}
+    path = tendon_path(muscle, tendon, bones)
+    assert deepest_in_bones(path, tendon, bones) == ("", 0.0)
+    assert SignedDistance(bone)(path).min() > radius + GAP_MM - 0.1
+    assert np.linalg.norm(path[-1] - [0, 3, 166]) < 0.05 and np.abs(path[:, 0]).max() < 0.5
+    start, over, reach = path[0], np.array([0, 0, 130.0]), 15 + radius + GAP_MM
+    sides = [np.linalg.norm(point - over) for point in (start, path[-1])]
+    between = np.arccos((start - over) @ (path[-1] - over) / sides[0] / sides[1])
+    arc = between - sum(np.arccos(reach / side) for side in sides)
+    shortest = sum(np.sqrt(side**2 - reach**2) for side in sides) + reach * arc
+    length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
+    assert shortest - 0.2 < length < 1.03 * shortest
+    whole = with_tendon(muscle, path, radius)
+    beyond = np.linalg.norm(np.diff(path[path[:, 2] > 104], axis=0), axis=1).sum()
+    assert open_edges(whole) == 0 and whole.volume - muscle.volume == pytest.approx(np.pi * radius**2 * beyond, rel=0.25)
+    belly = muscle.vertices[(muscle.vertices[:, 2] > 15) & (muscle.vertices[:, 2] < 60)]
+    assert np.abs(SignedDistance(whole)(belly)).max() < 0.1
+
+
+def test_a_tendon_that_has_to_go_through_a_bone_is_told():
+    bones = {"bone": ball(15, (0, 0, 95)), "end": ball(5, (0, 0, 150))}
+    tendon = Tendon("end", np.array([0, 0, 145.0]), np.empty((0, 3)), 2.0)
+    name, depth = deepest_in_bones(tendon_path(spindle(), tendon, bones), tendon, bones)
+    assert name == "bone" and depth > 5
+
+
+def test_a_muscle_is_attached_where_it_touches():
+    muscle = spindle()
+    bones = {"low": ball(20, (0, 0, -20.5), 60), "high": ball(20, (0, 0, 121), 60), "beside": ball(20, (29.5, 0, 50), 60), "far": ball(20, (300, 0, 0))}
+    distances = distances_to(muscle, bones, 30)
+    areas = areas_near_bones(muscle, distances, 2.0, {}, np.ones(len(muscle.vertices), dtype=bool))
+    assert {area.bone for area in areas} == {"low", "high", "beside"} and len({area.role for area in areas if area.bone != "beside"}) == 2
+    # A pulley that the muscle glides over is no second insertion; it is of the same bone.
+    low_and_pulley = merged([ball(20, (0, 0, -20.5), 60), ball(15, (22.5, 0, 55), 60)])
+    end, pulley = (areas_near_bones(muscle, distances_to(muscle, {"low": bone, "high": bones["high"], "more": ball(90, (97, 0, 75), 90)}, 30), 2.0, {},
+                                    np.ones(len(muscle.vertices), dtype=bool)) for bone in (bones["low"], low_and_pulley))
+    assert len({len(area.nodes) for areas in (end, pulley) for area in areas if area.bone == "low"}) == 1
+    chosen = areas_near_bones(muscle, distances, 2.0, {"low": "origin", "high": "insertion"}, np.ones(len(muscle.vertices), dtype=bool))
+    assert [(area.bone, area.role) for area in chosen] == [("low", "origin"), ("high", "insertion")]
+    for area in chosen:
+        gaps = np.linalg.norm(muscle.vertices[area.nodes] - [0, 0, -20.5 if area.bone == "low" else 121], axis=1) - 20
+        assert gaps.max() < 2.05 and len(area.nodes) >= 4
+
+
+def test_maps_read_names_as_data_sets_write_them(tmp_path):
+    for path in sorted((PROJECT / "datasets" / "maps").glob("*.toml")):
+        anatomy = read_map(path)
+        assert anatomy.licence and anatomy.title
+    for name in ("VHF_Right_Bone_Tibia_smooth.stl", "VHF_Right_Cartilage_TibiaDistal_smooth.stl", "VHF_Right_Muscle_FlexorHallucisLongus_smooth.stl",
+                 "VHF_Left_Bone_Tibia_smooth.stl", "notes.stl"):
+        (tmp_path / name).touch()
+    files, problems = find_files(tmp_path, read_map(PROJECT / "datasets" / "maps" / "visible_human_female.toml"))
+    assert [(one.kind, one.name) for one in files] == [("bone", "tibia"), ("cartilage", "tibia_distal_cartilage"), ("muscle", "flexor_hallucis_longus")]
+    assert problems == []
