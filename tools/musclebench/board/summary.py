@@ -21,7 +21,8 @@ def as_summary(rows: pd.DataFrame, machines: Sequence[str]) -> str:
     for machine in machines:
         of_bundle = rows[rows["machine"] == machine]
         told = of_bundle.assign(setting=of_bundle["spoken"].where(of_bundle["spoken"] != "", of_bundle["configuration"]))
-        told = told.assign(offset=[FARTHER if open_ else "" if pd.isna(offset) else f"{offset:.4f}" for open_, offset in zip(told["is_open"], told["offset_mm"])])
+        offsets = ["" if pd.isna(offset) else f"{offset:.4f}" for offset in told["offset_mm"]]
+        told = told.assign(offset=[FARTHER if is_open else offset for is_open, offset in zip(told["is_open"], offsets)])
         told = told.assign(**{column.key: told[column.key].map(_as_text) for column in COLUMNS if column.digits is None})
         counts = ", ".join(f"{count} {name}" for name, count in of_bundle["standing"].value_counts().items())
         parts.append(f"### {_as_text(machine)}\n\n"
