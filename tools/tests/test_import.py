@@ -13,7 +13,7 @@ import vtk
 
 from musclebench.anatomy import units
 from musclebench.anatomy.anatomy_map import find_files, read_map
-from musclebench.anatomy.attaching import areas_near_bones, distances_to
+from musclebench.anatomy.attaching import Area, areas_near_bones, distances_to, moved_out
 from musclebench.anatomy.importing import on_surface, turned
 from musclebench.anatomy.joint_axis import Axis, articulating_points, fit_cylinder, fit_sphere
 from musclebench.anatomy.mesh_file import mend, open_edges, read_mesh
@@ -267,6 +267,15 @@ def test_a_muscle_is_attached_where_it_touches():
     for area in chosen:
         gaps = np.linalg.norm(muscle.vertices[area.nodes] - [0, 0, -20.5 if area.bone == "low" else 121], axis=1) - 20
         assert gaps.max() < 2.05 and len(area.nodes) >= 4
+
+
+def test_free_nodes_are_moved_out_of_bones():
+    muscle, bone = spindle(), ball(20, (24, 0, 50), 60)
+    areas = [Area("bone", "origin", np.arange(5), 0.0)]
+    out, count, farthest = moved_out(muscle, {"bone": bone}, areas)
+    inside = np.linalg.norm(muscle.vertices - [24, 0, 50], axis=1) < 20
+    assert count >= np.count_nonzero(inside) > 5 and 3.5 < farthest < 4.5
+    assert (np.linalg.norm(out.vertices - [24, 0, 50], axis=1) > 20).all() and (out.vertices[:5] == muscle.vertices[:5]).all()
 
 
 def test_maps_read_names_as_data_sets_write_them(tmp_path):

@@ -12,6 +12,8 @@ from .surface import Points, SignedDistance, Surface, Values
 
 FEWEST_NODES = 4  # of an area; fewer are where a muscle passes by
 END_SHARE = 1 / 3  # of a muscle's length that counts as its end
+CLEAR_MM = 0.15  # that a free node keeps from a bone
+PUSHES = 10
 TENDON_END_RADII = 3.0  # how far around its end a tendon is attached
 
 
@@ -85,6 +87,23 @@ def end_of_tendon(muscle: Surface, bone: str, distance: Values, end: Points, rad
     near_end = np.linalg.norm(muscle.vertices - end, axis=1) < TENDON_END_RADII * radius
     nodes = np.flatnonzero(near_end & (distance <= radius))
     return Area(bone, "insertion", nodes, float(np.maximum(distance[nodes], 0).mean()) if len(nodes) else np.inf)
+
+
+def moved_out(muscle: Surface, bones: dict[str, Surface], areas: list[Area]) -> tuple[Surface, int, float]:
+    """With the nodes that nothing holds moved out of bones; how many they are, and how far the farthest moved. In millimetres."""
+    fields = [SignedDistance(bone) for bone in bones.values()]
+    is_free = np.ones(len(muscle.vertices), dtype=bool)
+    for area in areas:
+        is_free[area.nodes] = False
+    vertices = muscle.vertices.copy()
+    for _ in range(PUSHES):
+        for field in fields:
+            lacking = CLEAR_MM - field.within(vertices, CLEAR_MM)
+            deep = np.flatnonzero(is_free & (lacking > 0))
+            if len(deep):
+                vertices[deep] += lacking[deep, None] * field.gradients(vertices[deep])
+    moves = np.linalg.norm(vertices - muscle.vertices, axis=1)
+    return Surface(vertices, muscle.triangles), int(np.count_nonzero(moves > 0)), float(moves.max())
 
 
 def check_muscle(name: str, muscle: Surface, distances: dict[str, Values], areas: list[Area], near: float) -> None:

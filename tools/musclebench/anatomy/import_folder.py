@@ -14,15 +14,18 @@ from .importing import Anatomy, Say
 from .scene_files import AREAS_FILE, Joint, MusclePart, areas_json, scene_text, write_mesh
 
 MARK = "import.json"
+# The first run asks the scene by trial which effects it needs.
 EFFECTS = """
-[effects.surface_contact]
+[wanted]
+surface_mm = 0.1
+
+[effects]
+auto = true
 """
 TOGETHER = """
 [contact]
 muscle_contact = true
-
-[effects.surface_contact]
-"""
+""" + EFFECTS
 
 Write = Callable[[Anatomy, AnatomyMap, Say, bool], list[Path]]
 

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from ..program.cli import Problem
 from .anatomy_map import UNITS, AnatomyMap, Found, JointWords, MuscleWords
-from .attaching import Area, areas_near_bones, check_muscle, distances_to, end_of_tendon
+from .attaching import Area, areas_near_bones, check_muscle, distances_to, end_of_tendon, moved_out
 from .joint_axis import Axis, articulating_points, fit_cylinder, fit_sphere
 from .mesh_file import Mended, mend, read_mesh
 from .resolution import decimated
@@ -211,6 +211,9 @@ def _attach(result: Anatomy, anatomy: AnatomyMap, name: str, part: Part) -> None
         result.problems.append(f"{part.found.path}: {problem}")
         del result.parts[name]
         return
+    part.surface, count, farthest = moved_out(part.surface, bones, areas)
+    if count:
+        part.repairs.append(f"{count} free nodes moved out of bones, by up to {farthest:.2f} mm")
     result.muscles.append(MusclePart(name, part.surface, areas, _bones_beside(result, part.surface, areas)))
 
 
