@@ -37,6 +37,7 @@ def make(options) -> int:
     require("vtk")
     anatomy = read_map(options.map)
     anatomy.unit = options.unit or anatomy.unit
+    anatomy.side = options.side or anatomy.side
     anatomy.error_mm = options.error_mm or anatomy.error_mm
     anatomy.near_mm = options.near_mm or anatomy.near_mm
     files, problems = find_files(options.folder, anatomy)

@@ -169,6 +169,19 @@ def test_the_unit_is_found_where_sizes_tell_it():
         units.unit_of({"femur": 480.0, "tibia": 400.0, "fibula": 0.4}, "")
 
 
+def test_left_and_right_are_not_mixed(tmp_path, capsys):
+    (tmp_path / "folder").mkdir()
+    for name in ("femur_left.stl", "femur_right.stl", "hip_right.stl", "sacrum.stl", "gluteus_medius_Right.stl"):
+        (tmp_path / "folder" / name).touch()
+    anatomy = read_map(PROJECT / "datasets" / "maps" / "totalsegmentator.toml")
+    anatomy.side = ""
+    with pytest.raises(Problem, match="has left and right, such as femur_left.stl and femur_right.stl: choose one by --side"):
+        find_files(tmp_path / "folder", anatomy)
+    for side, names in (("left", ["femur", "sacrum"]), ("right", ["femur", "gluteus_medius", "hip", "sacrum"])):
+        anatomy.side = side
+        assert sorted(one.name for one in find_files(tmp_path / "folder", anatomy)[0]) == names
+
+
 @pytest.mark.parametrize("suffix", WRITERS)
 def test_all_formats_are_read_alike(tmp_path, suffix):
     surface = mend(read_mesh(write(ball(12.5, (1, 2, 3)), tmp_path / f"ball{suffix}")), "ball").surface

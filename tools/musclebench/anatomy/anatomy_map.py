@@ -63,6 +63,7 @@ class AnatomyMap:
     source: str = ""
     is_non_commercial: bool = False
     unit: str = ""
+    side: str = ""  # what the group `side` of a pattern has to be
     rules: list[tuple[str, re.Pattern[str]]] = field(default_factory=list)  # (kind, pattern with a group `name`)
     renamed: dict[str, str] = field(default_factory=dict)
     error_mm: float = 0.1
@@ -86,7 +87,7 @@ def read_map(path: Path) -> AnatomyMap:
         table = _Table(path, "", tomllib.loads(path.read_text(encoding="utf-8")))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise Problem(f"{path}: is not valid TOML ({error})") from None
-    table.allow_only("title", "licence", "non_commercial", "cite", "source", "unit", "error_mm", "near_mm", "files", "muscle", "joint")
+    table.allow_only("title", "licence", "non_commercial", "cite", "source", "unit", "side", "error_mm", "near_mm", "files", "muscle", "joint")
     files = table.table("files")
     files.allow_only(*KINDS, "names")
     rules = [(kind, _pattern(files, kind, text)) for kind in KINDS for text in files.words(kind)]
@@ -96,27 +97,38 @@ def read_map(path: Path) -> AnatomyMap:
     if unit and unit not in UNITS:
         raise Problem(f"{path}: unit '{unit}' has to be one of {', '.join(UNITS)}")
     return AnatomyMap(
-        path, table.word("title"), table.word("licence"), table.words("cite"), table.word("source", ""), bool(table.get("non_commercial", False)), unit, rules,
+        path, table.word("title"), table.word("licence"), table.words("cite"), table.word("source", ""), bool(table.get("non_commercial", False)), unit, table.word("side", ""),
+        rules,
         {str(key): str(value) for key, value in files.get("names", {}).items()}, table.number("error_mm", 0.1), table.number("near_mm", 1.5),
         [_muscle(one) for one in table.tables("muscle")], [_joint(one) for one in table.tables("joint")])
 
 
 def find_files(folder: Path, anatomy: AnatomyMap) -> tuple[list[Found], list[str]]:
-    """The meshes that the map names, and one line for each that two rules or two files claim: none of these is taken."""
+    """The meshes that the map names, and one line for each that two rules or two files claim: none of these is taken. Raises Problem
+    where two sides are there and none is chosen."""
     found: dict[str, list[Found]] = {}
     problems = []
+    sides: dict[str, Path] = {}
     for path in sorted(one for one in folder.rglob("*") if one.suffix.lower() in READERS and one.is_file()):
         inside = path.relative_to(folder).as_posix()
         matches = [(kind, match) for kind, rule in anatomy.rules if (match := rule.search(inside))]
         if not matches:
             continue
         kind, match = matches[0]
+        side = match.groupdict().get("side") or ""
+        if side and anatomy.side and side.lower() != anatomy.side.lower():
+            continue
+        if side:
+            sides.setdefault(side.lower(), path)
         raw = match.group("name")
         name = anatomy.renamed.get(raw, _simple(raw)) + ("_cartilage" if kind == "cartilage" else "")
         if len({(kind, match.group("name")) for kind, match in matches}) > 1:
             problems.append(f"{path}: matches several patterns of {anatomy.path.name}, such as {matches[0][0]} and {matches[1][0]}; make them narrower")
         else:
             found.setdefault(name, []).append(Found(path, kind, name))
+    if len(sides) > 1:
+        raise Problem(f"{folder}: has {' and '.join(sides)}, such as {' and '.join(path.name for path in sides.values())}: choose one by --side or by `side` "
+                      f"of {anatomy.path.name}")
     for name, several in found.items():
         if len(several) > 1:
             others = ", ".join(one.path.name for one in several[1:])

@@ -32,6 +32,7 @@ def parse_arguments(arguments: list[str] | None) -> argparse.Namespace:
                         help="largest distance of a decimated mesh from the given one, mm (default: the map's, else 0.1 mm)")
     parser.add_argument("--near-mm", type=float, metavar="MM",
                         help="a muscle is attached where it is so near to a bone, mm (default: the map's, else 1.5 mm)")
+    parser.add_argument("--side", metavar="NAME", help="side of the body, as the files write it (default: the map's, else the only one)")
     parser.add_argument("--muscle", action="append", default=[], metavar="NAME", help="import this muscle only; may be repeated (default: all)")
     parser.add_argument("--no-pictures", action="store_true", help="draw no pictures")
     parser.add_argument("--force", action="store_true", help="replace --out where an earlier import made it")
