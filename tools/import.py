@@ -37,6 +37,8 @@ def make(options) -> int:
     require("vtk")
     anatomy = read_map(options.map)
     anatomy.unit = options.unit or anatomy.unit
+    for joint in anatomy.joints:
+        joint.opensim = joint.opensim and str(options.folder / joint.opensim)
     anatomy.side = options.side or anatomy.side
     anatomy.error_mm = options.error_mm or anatomy.error_mm
     anatomy.near_mm = options.near_mm or anatomy.near_mm

@@ -17,7 +17,9 @@ from musclebench.anatomy.attaching import Area, areas_near_bones, distances_to, 
 from musclebench.anatomy.importing import on_surface, turned
 from musclebench.anatomy.joint_axis import Axis, articulating_points, fit_cylinder, fit_sphere
 from musclebench.anatomy.mesh_file import mend, open_edges, read_mesh
+from musclebench.anatomy.opensim import opensim_axis
 from musclebench.anatomy.resolution import decimated
+from musclebench.anatomy.self_crossings import crossing_triangles
 from musclebench.anatomy.surface import SignedDistance, Surface, as_vtk, from_vtk, largest_gap, merged
 from musclebench.anatomy.tendon import GAP_MM, Tendon, deepest_in_bones, tendon_path, with_tendon
 from musclebench.program.cli import Problem
@@ -214,6 +216,15 @@ def test_decimation_keeps_the_wanted_error():
     assert len(coarse.triangles) < len(decimated(fine, 0.05)[0].triangles) < len(fine.triangles)
 
 
+def test_triangles_that_pass_through_others_are_counted():
+    assert crossing_triangles(ball(10)) == 0
+    assert crossing_triangles(merged([ball(10), ball(10, (5, 0, 0))])) > 20
+    fan = Surface(np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, -1], [1, 1, 1.0]]), np.array([[0, 1, 2], [0, 3, 4]]))
+    assert crossing_triangles(fan) == 2  # they share a vertex, and pass elsewhere
+    fan.vertices[3:] -= [3, 3, 0]
+    assert crossing_triangles(fan) == 0
+
+
 def test_axes_are_those_of_the_shapes():
     random = np.random.default_rng(1)
     turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
@@ -231,6 +242,26 @@ def test_axes_are_those_of_the_shapes():
     assert 5 < len(facing) < 300 and facing[:, 2].min() > 5
     axis = Axis(np.array([0, 0, 1.0]), np.array([1.0, 0, 0]), 1, 0)
     assert turned(np.array([[2.0, 0, 5]]), axis, 90)[0] == pytest.approx([1, 1, 5])
+
+
+OSIM_4 = """<OpenSimDocument Version="40000"><Model><JointSet><objects><PinJoint name="knee"><socket_parent_frame>thigh_offset</socket_parent_frame>
+<coordinates><Coordinate name="knee_angle"/></coordinates><frames><PhysicalOffsetFrame name="thigh_offset"><translation>0.1 0.2 0.3</translation>
+<orientation>0 1.5707963267948966 0</orientation></PhysicalOffsetFrame></frames></PinJoint></objects></JointSet></Model></OpenSimDocument>"""
+
+
+def test_axes_of_opensim_models(tmp_path, lhdl_upstream, lhdl_folder):
+    (tmp_path / "four.osim").write_text(OSIM_4)
+    direction, centre = opensim_axis(tmp_path / "four.osim", "knee_angle")
+    assert direction == pytest.approx([1, 0, 0], abs=1e-12) and centre == pytest.approx([0.1, 0.2, 0.3])
+    with pytest.raises(Problem, match="has no coordinate 'hip'; there are knee_angle"):
+        opensim_axis(tmp_path / "four.osim", "hip")
+    (tmp_path / "none.osim").write_text("<a>")
+    with pytest.raises(Problem, match="is no OpenSim model"):
+        opensim_axis(tmp_path / "none.osim", "hip")
+    hip = json.loads((lhdl_folder / "lhdl.json").read_text())["hip_joint"]
+    for coordinate, axis in (("hip_flexion_r", "flexion"), ("hip_adduction_r", "adduction"), ("hip_rotation_r", "rotation")):
+        direction, centre = opensim_axis(lhdl_upstream / "3d-muscles/a_MSK_model/a_MSK_model/LHDL_hip_r.osim", coordinate)
+        assert direction == pytest.approx(hip["axes"][axis], abs=1e-9) and centre == pytest.approx(hip["centre_m"])
 
 
 def test_a_tendon_goes_the_shortest_way_around_a_bone():

@@ -46,6 +46,8 @@ class JointWords:
     moves: list[str]
     axis: Points | None = None  # and centre; or a fit
     centre: Points | None = None
+    opensim: str = ""  # model below the folder
+    coordinate: str = ""  # of it
     fit: str = ""
     surface: str = ""  # that is fitted, where it faces `facing`
     facing: str = ""
@@ -97,9 +99,9 @@ def read_map(path: Path) -> AnatomyMap:
     if unit and unit not in UNITS:
         raise Problem(f"{path}: unit '{unit}' has to be one of {', '.join(UNITS)}")
     return AnatomyMap(
-        path, table.word("title"), table.word("licence"), table.words("cite"), table.word("source", ""), bool(table.get("non_commercial", False)), unit, table.word("side", ""),
-        rules,
-        {str(key): str(value) for key, value in files.get("names", {}).items()}, table.number("error_mm", 0.1), table.number("near_mm", 1.5),
+        path, table.word("title"), table.word("licence"), table.words("cite"), table.word("source", ""), bool(table.get("non_commercial", False)), unit,
+        table.word("side", ""), rules, {str(key): str(value) for key, value in files.get("names", {}).items()},
+        table.number("error_mm", 0.1), table.number("near_mm", 1.5),
         [_muscle(one) for one in table.tables("muscle")], [_joint(one) for one in table.tables("joint")])
 
 
@@ -233,12 +235,15 @@ def _muscle(table: _Table) -> MuscleWords:
 
 
 def _joint(table: _Table) -> JointWords:
-    table.allow_only("name", "moves", "axis", "centre", "fit", "surface", "facing", "axis_towards", "from_deg", "to_deg")
+    table.allow_only("name", "moves", "axis", "centre", "opensim", "coordinate", "fit", "surface", "facing", "axis_towards", "from_deg", "to_deg")
     joint = JointWords(table.word("name"), table.words("moves"), from_deg=table.number("from_deg"), to_deg=table.number("to_deg"))
     if not joint.moves:
         raise Problem(f"{table.at('moves')}: names no bone")
     if table.get("axis") is not None:
         joint.axis, joint.centre = table.point("axis"), table.point("centre")
+        return joint
+    if table.get("opensim") is not None:
+        joint.opensim, joint.coordinate = table.word("opensim"), table.word("coordinate")
         return joint
     joint.fit, joint.surface, joint.facing = table.word("fit"), table.word("surface"), table.word("facing", "")
     joint.axis_towards = table.point("axis_towards")

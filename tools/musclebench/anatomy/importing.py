@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -12,6 +13,7 @@ from .anatomy_map import UNITS, AnatomyMap, Found, JointWords, MuscleWords
 from .attaching import Area, areas_near_bones, check_muscle, distances_to, end_of_tendon, moved_out
 from .joint_axis import Axis, articulating_points, fit_cylinder, fit_sphere
 from .mesh_file import Mended, mend, read_mesh
+from .opensim import opensim_axis
 from .resolution import decimated
 from .scene_files import Joint, MusclePart
 from .surface import Points, SignedDistance, Surface, sample_points
@@ -166,7 +168,10 @@ def _gap_beside_tendon(muscle: Surface, part: Part, radius: float) -> float:
 
 def _joint(words: JointWords, result: Anatomy) -> Joint:
     solids = result.surfaces("bone", "cartilage")
-    if words.axis is not None and words.centre is not None:
+    if words.opensim:
+        direction, centre_m = opensim_axis(Path(words.opensim), words.coordinate)
+        axis = Axis(direction, centre_m * UNITS["m"], float("nan"), float("nan"))
+    elif words.axis is not None and words.centre is not None:
         axis = Axis(words.axis / np.linalg.norm(words.axis), words.centre * UNITS[result.unit], float("nan"), float("nan"))
     else:
         points = articulating_points(solids[words.surface], solids[words.facing] if words.facing else None)

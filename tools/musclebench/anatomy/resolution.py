@@ -3,6 +3,7 @@
 import vtk
 
 from .mesh_file import open_edges
+from .self_crossings import crossing_triangles
 from .surface import Surface, as_vtk, from_vtk, largest_gap
 
 TRIES = 6
@@ -11,17 +12,17 @@ KEPT_SHARES = (0.02, 1.0)
 
 
 def decimated(surface: Surface, error_mm: float) -> tuple[Surface, float]:
-    """By quadric edge collapse, with the largest distance between the two surfaces, which is at most `error_mm`. The surface itself
-    where nothing smaller holds it."""
+    """By quadric edge collapse, with the largest distance between the two surfaces, which is at most `error_mm`, and no triangle that
+    passes through another if none did. The surface itself where nothing smaller holds it."""
     least, most = max(KEPT_SHARES[0], FEWEST / len(surface.triangles)), KEPT_SHARES[1]
-    best, gap = surface, 0.0
+    best, gap, crossing = surface, 0.0, crossing_triangles(surface)
     for _ in range(TRIES):
         if least >= most:
             break
         share = (least * most) ** 0.5
         tried = _collapsed(surface, share)
         found = largest_gap(surface, tried)
-        if found <= error_mm and not open_edges(tried):
+        if found <= error_mm and not open_edges(tried) and crossing_triangles(tried) <= crossing:
             best, gap, most = tried, found, share
         else:
             least = share
