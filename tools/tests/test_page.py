@@ -19,6 +19,7 @@ import fake_runs
 import report
 from musclebench.accuracy import report as accuracy_report
 from musclebench.figures import style
+from musclebench.figures.paper_figures import caption
 from musclebench.history.history import Finding, Measure, Night, opened
 from musclebench.page import bundle, helps, of_study, packed, page_file, views
 from musclebench.page.html import page_html, plain_html
@@ -26,6 +27,7 @@ from musclebench.page.page_file import write_page
 from musclebench.page.paper_part import paper_section
 from musclebench.page.parts import Chart, TablePart
 from musclebench.page.sections import sections_of
+from musclebench.page.told_of_runs import what_was_run
 from musclebench.paper.published import read_published
 from musclebench.results.run_folder import read_runs
 from musclebench.tables import paper_tables
@@ -291,6 +293,17 @@ def test_a_page_of_one_study_says_once_what_was_run(results):
     page = page_of(results)
     title = "The paper&#39;s experiment: gluteus medius, iliacus (synthetic)"
     assert f"<title>{title}</title>" in page and f"<h1>{title}</h1>" in page and "Sections" not in page
+
+
+def test_a_page_and_its_captions_say_whose_shapes_they_show(results):
+    runs = read_runs(results / "raw")
+    assert not any(name.startswith("Licence") for name, _ in what_was_run(runs))
+    for run in runs:
+        run.record["source"] = {"licence": "CC BY 4.0", "cite": ["A (2022)", "B (2023)"], "non_commercial": False}
+    runs[0].record["source"] = {"licence": "CC BY-NC 2.0", "non_commercial": True}
+    told = dict(what_was_run(runs))
+    assert told["Licence of the shapes"] == "CC BY-NC 2.0, not for commercial use; CC BY 4.0" and told["Cite"] == "A (2022); B (2023)"
+    assert "shapes: CC BY-NC 2.0, not for commercial use; shapes: CC BY 4.0" in caption(runs)
 
 
 def test_moment_arms_have_a_page(tmp_path):

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from ..accuracy.cases import StudyCase
+from ..results.licences import licences_of
 from .style import muscle_label
 
 OFFSET = (
@@ -32,7 +33,8 @@ def provenance(cases: list[StudyCase]) -> str:
     used = [case for case in cases if case.is_ok]
     if not used:
         return "Nothing of it has run yet."
-    return " ".join([_what(used), _how_often(used), _on_what(used)])
+    shapes = "; ".join(licences_of(case.run.record for case in used))
+    return " ".join([_what(used), _how_often(used), _on_what(used), *([f"Licence of the shapes: {shapes}."] if shapes else [])])
 
 
 def band_of(cases: list[StudyCase]) -> str:

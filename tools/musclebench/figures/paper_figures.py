@@ -8,6 +8,7 @@ from matplotlib.ticker import FuncFormatter
 
 from ..paper.published import Published
 from ..results.disturbance import waits
+from ..results.licences import licences_of
 from ..results.run_folder import Run
 from ..tables.paper_tables import MEGABYTE, by_case, collision_ratio
 from ..tables.table_formats import as_ratio
@@ -28,6 +29,7 @@ def caption(runs: list[Run]) -> str:
     known = [
         f"{data} data, {case.get('preset', '?')} preset, {frames} frames, one run a case, threads: {threads}",
         machine.get("cpu"), build.get("compiler"), f"git {git}" if git != "unknown" else None,
+        *(f"shapes: {licence}" for licence in licences_of(run.record for run in runs)),
     ]
     return "; ".join(text for text in known if text)
 
