@@ -28,6 +28,11 @@ class Progress:
             print(f"import: {passed:4.0f} s: {text}", file=sys.stderr, flush=True)
 
 
+def tell(problems: list[str]) -> None:
+    for problem in problems:
+        print(f"not imported: {problem}", file=sys.stderr)
+
+
 def counted(number: int, word: str) -> str:
     return f"{number} {word}{'' if number == 1 else 's'}"
 
@@ -42,7 +47,11 @@ def make(options) -> int:
     anatomy.side = options.side or anatomy.side
     anatomy.error_mm = options.error_mm or anatomy.error_mm
     anatomy.near_mm = options.near_mm or anatomy.near_mm
-    files, problems = find_files(options.folder, anatomy)
+    out = options.out.resolve()
+    for path, what in ((options.folder, "FOLDER"), (options.map, "--map")):
+        if path.resolve().is_relative_to(out):
+            raise Problem(f"--out {options.out}: {what} lies in it; name another folder")
+    files, problems = find_files(options.folder, anatomy, out)
     if options.muscle:
         known = [one.name for one in files if one.kind == "muscle"]
         if missing := [name for name in options.muscle if name not in known]:
@@ -51,15 +60,20 @@ def make(options) -> int:
     if not files:
         raise Problem(f"{options.folder}: no file matches a pattern of {options.map}; list the folder, and mend [files] of the map")
     say = Progress()
-    with write_import(options.out, options.force) as write:
-        result = import_anatomy(files, anatomy, problems, say)
-        scenes = write(result, anatomy, say, not options.no_pictures)
+    try:
+        with write_import(options.out, options.force) as write:
+            result = import_anatomy(files, anatomy, problems, say, not options.muscle)
+            scenes = write(result, anatomy, say, not options.no_pictures)
+    except Problem:
+        tell(problems)  # the reason may be one of these
+        raise
     kinds = ", ".join(counted(len(result.surfaces(kind)), kind) for kind in ("bone", "cartilage", "muscle"))
     such_as = f", such as {options.out / scenes[0]}" if scenes else ""
     print(f"{options.out}: {kinds}, unit {result.unit}; {counted(len(scenes), 'scene')}{such_as}; see README.md there")
     print(f"Licence: {anatomy.licence}{': not for commercial use' if anatomy.is_non_commercial else ''}." + "".join(f"\nCite: {one}" for one in anatomy.cite))
-    for problem in result.problems:
-        print(f"not imported: {problem}", file=sys.stderr)
+    if not scenes:
+        result.problems.append(f"{options.map}: no scene: no muscle is attached to a bone that a joint moves and to one that stays; see README.md there")
+    tell(result.problems)
     return CODE_PARTLY if result.problems else 0
 
 

@@ -3,6 +3,7 @@
 import importlib
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -105,17 +106,22 @@ def test_a_knee_becomes_a_scene_that_runs(knee, tmp_path, capsys):
         assert done.returncode == 0, done.stderr
         result = json.loads((tmp_path / "run" / "run.json").read_text())
         assert result["source"]["licence"] == "CC BY 4.0" and "CC BY 4.0" in done.stdout
-        bound = {one["name"]: one["nodes"] for one in result["attachments"]} if "attachments" in result else {}
-        assert all(bound.values())
+        told = {f"{one['role']}_{one['bone']}": one["nodes"] for one in about["attachments"]}
+        assert {name: int(re.search(rf"attachment {name} +(\d+) nodes", done.stdout)[1]) for name in told} == told
 
 
 def test_an_import_replaces_nothing_else(knee, tmp_path, capsys):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "notes.txt").write_text("mine")
-    assert run(knee, tmp_path / "mine", "--force") == 2 and "is no import" in capsys.readouterr().err
+    assert run(knee, tmp_path / "mine", "--force") == 2 and "did not write notes.txt" in capsys.readouterr().err
     assert run(knee, tmp_path / "out") == 0 and run(knee, tmp_path / "out") == 2 and "--force" in capsys.readouterr().err
     assert run(knee, tmp_path / "out", "--force") == 0
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["mine", "out"] and (tmp_path / "mine" / "notes.txt").is_file()
+    (tmp_path / "out" / "runs").mkdir()
+    (tmp_path / "out" / "runs" / "run.json").write_text("{}")
+    assert run(knee, tmp_path / "out", "--force") == 2 and "did not write runs/run.json" in capsys.readouterr().err
+    assert run(tmp_path / "out" / "meshes", tmp_path / "out", "--force", text=MAP) == 2 and "FOLDER lies in it" in capsys.readouterr().err
+    assert (tmp_path / "out" / "meshes" / "femur.ply").is_file() and (tmp_path / "mine" / "notes.txt").is_file()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["map.toml", "mine", "out"]
 
 
 def test_what_cannot_be_used_is_listed_and_the_rest_goes_on(knee, tmp_path, capsys):
@@ -149,19 +155,78 @@ def test_what_cannot_be_used_is_listed_and_the_rest_goes_on(knee, tmp_path, caps
     ("to_deg = 40", 'to_deg = "40"', "to_deg: has to be"),
     ("axis = [-1, 0, 0]", "axis = [-1, 0]", "axis: has to be a point"), ("[files]", "[files", "is not valid TOML"),
     ("'Right_Bone_", "'Left_Bone_", "there is no such bone or cartilage"),
+    ("[[joint]]", "[files.names]\nFemur = '../evil'\n[[joint]]", "can be no name"),
+    ('name = "knee"', 'name = "a/b"', "can be no name"), ("[[joint]]", "names = ['a']\n[[joint]]", "has to be a table"),
+    ("axis = [-1, 0, 0]", "axis = [0, 0, 0]", "has no length"),
+    ('"CC BY 4.0"', '"CC BY-NC 4.0"', "write non_commercial = true"), ('title =', 'non_commercial = "false"\ntitle =', "has to be true or false"),
+    ('"CC BY 4.0"', '"CC\\nend_header"', "has a line break"),
+    ("near_mm = 2.0", "near_mm = -1", "has to be above 0"), ("to_deg = 40", "to_deg = 4000", "at most 360"),
+    ("axis = [-1", "fit = 'sphere'\naxis = [-1", "keep one of the two"), ("near_mm = 2.0", "side = 'left'", "no pattern has a group"),
+    ("near_mm = 2.0", "unit = 'm'", "which no bone or muscle is"),
+    ("[[joint]]", "[[muscle]]\nname = 'a'\n[[muscle]]\nname = 'a'\n[[joint]]", "stands there twice"),
     ('title = "A knee"', 'title = "A knee"\nunit = "inch"', "unit 'inch' has to be one of"),
 ])
 def test_a_wrong_map_is_told_in_one_line(knee, tmp_path, capsys, old, new, words):
     assert MAP.count(old) == 1
     assert run(knee, tmp_path / "out", text=MAP.replace(old, new)) == 2
     lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 1 and words in lines[0] and "map.toml" in lines[0], lines
+    assert len([line for line in lines if not line.startswith("import:    ")]) == 1 and words in lines[-1], lines
     assert not (tmp_path / "out").exists() and len(list(tmp_path.iterdir())) == 1
+
+
+@pytest.mark.parametrize(("name", "text"), [
+    ("cut.ply", None), ("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99\n"), ("word.obj", "v 0 0 0\nv abc 0 0\nv 0 1 0\nf 1 2 3\n"),
+    ("more.ply", "ply\nformat ascii 1.0\nelement vertex 9999\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+                 "property list uchar int vertex_indices\nend_header\n0 0 0\n"),
+])
+def test_a_damaged_file_ends_in_one_line(tmp_path, name, text):
+    path = tmp_path / name
+    if text is None:
+        data = write(ball(), tmp_path / "whole.ply").read_bytes()
+        path.write_bytes(data[:len(data) // 2])
+    else:
+        path.write_text(text)
+    with pytest.raises(Problem, match=f"{name}: (can't be read|holds no triangle|has coordinates)"):
+        mend(read_mesh(path), name)
+
+
+def test_every_triangle_faces_outward():
+    sound, other = ball(10), ball(8, (40, 0, 0))
+    mixed = sound.triangles.copy()
+    mixed[::3] = mixed[::3, ::-1]
+    mended = mend(Surface(sound.vertices, mixed), "mixed")
+    assert mended.surface.volume == pytest.approx(sound.volume) and mended.repairs == [f"{len(mixed[::3])} triangles turned outward"]
+    inverted = merged([sound, Surface(other.vertices, other.triangles[:, ::-1])])
+    assert mend(inverted, "two").surface.volume == pytest.approx(sound.volume + other.volume)
+
+
+def test_what_an_export_rounds_is_one_vertex_and_nothing_is_no_surface():
+    sound = ball(10)
+    apart = Surface(sound.corners.reshape(-1, 3) + np.random.default_rng(1).uniform(-1e-6, 1e-6, (3 * len(sound.triangles), 3)),
+                    np.arange(3 * len(sound.triangles)).reshape(-1, 3))
+    assert len(mend(apart, "apart").surface.vertices) == len(sound.vertices)
+    many = merged([ball(1, (5 * i, 0, 0), 8) for i in range(60)])
+    assert mend(many, "many").surface.volume == pytest.approx(60 * ball(1, cells=8).volume)
+    with pytest.raises(Problem, match="encloses no volume|is open"):
+        mend(Surface(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.0]]), np.array([[0, 1, 2], [0, 2, 1]])), "sheet")
+
+
+def test_what_gives_no_scene_is_told(knee, tmp_path, capsys):
+    assert run(knee, tmp_path / "out", text=MAP.replace('["femur"]', '["femur", "tibia"]')) == import_tool.CODE_PARTLY
+    assert "no scene: no muscle is attached to a bone that a joint moves" in capsys.readouterr().err
+    one_end = MAP + '[[muscle]]\nname = "popliteus"\norigin = ["femur"]\n[[muscle]]\nname = "Popliteus"\n'
+    assert run(knee, tmp_path / "two", text=one_end) == import_tool.CODE_PARTLY and "no muscle 'Popliteus'" in capsys.readouterr().err
+    areas = json.loads((tmp_path / "two" / "import.json").read_text())["attachments"]
+    assert {(one["bone"], one["role"]) for one in areas} == {("femur", "origin"), ("tibia", "insertion")}
+    far = MAP + '[[muscle]]\nname = "popliteus"\ntendon = {to = "tibia", at = [0, 9999, 0], radius_mm = 2.0}\n'
+    assert run(knee, tmp_path / "far", text=far) == import_tool.CODE_PARTLY and "mm away from tibia; is the map for" in capsys.readouterr().err
 
 
 def test_the_unit_is_found_where_sizes_tell_it():
     assert units.unit_of({"femur": 480.0, "patella": 60.0}, "") == "mm"
     assert units.unit_of({"femur": 0.48, "patella": 0.06}, "") == "m"
+    with pytest.raises(Problem, match="70 m large, which no bone"):
+        units.unit_of({"femur": 70.0}, "m")
     with pytest.raises(Problem, match="mm and cm both fit"):
         units.unit_of({"patella": 60.0}, "")
     assert units.unit_of({"patella": 60.0}, "cm") == "cm"

@@ -12,10 +12,14 @@ from ..program.cli import Problem
 from .mesh_file import READERS
 from .surface import Points
 
+LARGEST = 1e9  # of a number in a map
 UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}  # millimetres in each
 KINDS = ("bone", "cartilage", "muscle")
 FITS = ("cylinder", "sphere")
-NAME = re.compile(r"[A-Za-z0-9_.-]+")
+NAME = re.compile(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*")
+TOGETHER = "all"  # the scene of all muscles
+CONTROL = re.compile(r"[\x00-\x1f\x7f]")
+NON_COMMERCIAL = re.compile(r"\bNC\b|non-?commercial", re.IGNORECASE)
 
 
 @dataclass
@@ -98,20 +102,33 @@ def read_map(path: Path) -> AnatomyMap:
     unit = table.word("unit", "")
     if unit and unit not in UNITS:
         raise Problem(f"{path}: unit '{unit}' has to be one of {', '.join(UNITS)}")
+    licence, is_non_commercial = table.word("licence"), table.get("non_commercial")
+    if is_non_commercial is None and NON_COMMERCIAL.search(licence):
+        raise Problem(f"{path}: licence '{licence}' seems to forbid commercial use; write non_commercial = true, or false")
+    if not isinstance(is_non_commercial, bool | None):
+        raise Problem(f"{path}: non_commercial: has to be true or false")
+    names = files.table("names")
+    renamed = {key: names.name(key) for key in names.values}
+    muscles, joints = [_muscle(one) for one in table.tables("muscle")], [_joint(one) for one in table.tables("joint")]
+    for kind, named in (("muscle", [one.name for one in muscles]), ("joint", [one.name for one in joints])):
+        if twice := next((name for name in named if named.count(name) > 1), None):
+            raise Problem(f"{path}: {kind} '{twice}' stands there twice; write one table for it")
     return AnatomyMap(
-        path, table.word("title"), table.word("licence"), table.words("cite"), table.word("source", ""), bool(table.get("non_commercial", False)), unit,
-        table.word("side", ""), rules, {str(key): str(value) for key, value in files.get("names", {}).items()},
-        table.number("error_mm", 0.1), table.number("near_mm", 1.5),
-        [_muscle(one) for one in table.tables("muscle")], [_joint(one) for one in table.tables("joint")])
+        path, table.word("title"), licence, table.words("cite"), table.word("source", ""), bool(is_non_commercial), unit, table.word("side", ""), rules,
+        renamed, table.positive("error_mm", 0.1), table.positive("near_mm", 1.5), muscles, joints)
 
 
-def find_files(folder: Path, anatomy: AnatomyMap) -> tuple[list[Found], list[str]]:
+def find_files(folder: Path, anatomy: AnatomyMap, without: Path | None = None) -> tuple[list[Found], list[str]]:
     """The meshes that the map names, and one line for each that two rules or two files claim: none of these is taken. Raises Problem
-    where two sides are there and none is chosen."""
+    where two sides are there and none is chosen. `without`: a folder in it that is not searched."""
+    if anatomy.side and not any("side" in rule.groupindex for _, rule in anatomy.rules):
+        raise Problem(f"{anatomy.path}: no pattern has a group (?P<side>...), so that side '{anatomy.side}' chooses nothing; add one, or leave the side out")
     found: dict[str, list[Found]] = {}
     problems = []
     sides: dict[str, Path] = {}
     for path in sorted(one for one in folder.rglob("*") if one.suffix.lower() in READERS and one.is_file()):
+        if without is not None and path.resolve().is_relative_to(without):
+            continue
         inside = path.relative_to(folder).as_posix()
         matches = [(kind, match) for kind, rule in anatomy.rules if (match := rule.search(inside))]
         if not matches:
@@ -122,10 +139,12 @@ def find_files(folder: Path, anatomy: AnatomyMap) -> tuple[list[Found], list[str
             continue
         if side:
             sides.setdefault(side.lower(), path)
-        raw = match.group("name")
+        raw = match.group("name") or ""
         name = anatomy.renamed.get(raw, _simple(raw)) + ("_cartilage" if kind == "cartilage" else "")
         if len({(kind, match.group("name")) for kind, match in matches}) > 1:
             problems.append(f"{path}: matches several patterns of {anatomy.path.name}, such as {matches[0][0]} and {matches[1][0]}; make them narrower")
+        elif not NAME.fullmatch(name) or name == TOGETHER:
+            problems.append(f"{path}: '{name}' can be no name of a part; give it one of letters, digits, _ and - in [files.names]")
         else:
             found.setdefault(name, []).append(Found(path, kind, name))
     if len(sides) > 1:
@@ -141,7 +160,7 @@ def find_files(folder: Path, anatomy: AnatomyMap) -> tuple[list[Found], list[str
 def _simple(raw: str) -> str:
     """soleus, tibialis_anterior: of whatever way of writing a name of several words."""
     words = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", raw)
-    return re.sub(r"[^a-z0-9.]+", "_", words.lower()).strip("_.") or "unnamed"
+    return re.sub(r"[\s./()-]+", "_", words.lower()).strip("_.")
 
 
 class _Table:
@@ -165,6 +184,17 @@ class _Table:
         value = self.get(key, default)
         if not isinstance(value, str) or (default is None and not value.strip()):
             raise Problem(f"{self.at(key)}: is missing or no text; write {key} = \"...\"")
+        return self._in_one_line(key, value)
+
+    def _in_one_line(self, key: str, value: str) -> str:
+        if CONTROL.search(value):
+            raise Problem(f"{self.at(key)}: has a line break or another control character; write it in one line")
+        return value
+
+    def name(self, key: str) -> str:
+        value = self.word(key)
+        if not NAME.fullmatch(value) or value == TOGETHER:
+            raise Problem(f"{self.at(key)}: '{value}' can be no name; take letters, digits, _ and -")
         return value
 
     def words(self, key: str) -> list[str]:
@@ -172,11 +202,11 @@ class _Table:
         value = [value] if isinstance(value, str) else value
         if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
             raise Problem(f"{self.at(key)}: has to be a text or a list of texts")
-        return value
+        return [self._in_one_line(key, one) for one in value]
 
     def number(self, key: str, default: float | None = None) -> float:
         value = self.get(key, default)
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not np.isfinite(value):
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not abs(value) < LARGEST:
             raise Problem(f"{self.at(key)}: has to be a number")
         return float(value)
 
@@ -204,12 +234,17 @@ class _Table:
         return [_Table(self.path, f"{self.place}{key}[{i}].", one) for i, one in enumerate(value)]
 
     def _points(self, key: str, value: Any, dimensions: int) -> Points:
-        try:
-            found = np.array(value, dtype=float).reshape((3,) if dimensions == 1 else (-1, 3))
-        except (TypeError, ValueError):
-            found = np.array([np.nan])
-        if not np.isfinite(found).all():
-            raise Problem(f"{self.at(key)}: has to be {'a point [x, y, z]' if dimensions == 1 else 'a list of points [x, y, z]'}")
+        rows = [value] if dimensions == 1 else value
+        is_right = isinstance(rows, list) and all(
+            isinstance(row, list) and len(row) == 3 and all(type(one) in (int, float) and abs(one) < LARGEST for one in row) for row in rows)
+        if is_right:
+            return np.array(value, dtype=float).reshape((3,) if dimensions == 1 else (-1, 3))
+        raise Problem(f"{self.at(key)}: has to be {'a point [x, y, z]' if dimensions == 1 else 'a list of points [x, y, z]'}")
+
+    def direction(self, key: str) -> Points:
+        found = self.point(key)
+        if not np.linalg.norm(found) > 0:
+            raise Problem(f"{self.at(key)}: has no length; give a direction")
         return found
 
 
@@ -236,17 +271,21 @@ def _muscle(table: _Table) -> MuscleWords:
 
 def _joint(table: _Table) -> JointWords:
     table.allow_only("name", "moves", "axis", "centre", "opensim", "coordinate", "fit", "surface", "facing", "axis_towards", "from_deg", "to_deg")
-    joint = JointWords(table.word("name"), table.words("moves"), from_deg=table.number("from_deg"), to_deg=table.number("to_deg"))
+    joint = JointWords(table.name("name"), table.words("moves"), from_deg=table.number("from_deg"), to_deg=table.number("to_deg"))
     if not joint.moves:
         raise Problem(f"{table.at('moves')}: names no bone")
+    if len(ways := [key for key in ("axis", "opensim", "fit") if table.get(key) is not None]) > 1:
+        raise Problem(f"{table.at(ways[0])}: stands there with {ways[1]}; keep one of the two")
+    if max(abs(joint.from_deg), abs(joint.to_deg)) > 360:
+        raise Problem(f"{table.at('to_deg')}: a joint turns by at most 360 degrees")
     if table.get("axis") is not None:
-        joint.axis, joint.centre = table.point("axis"), table.point("centre")
+        joint.axis, joint.centre = table.direction("axis"), table.point("centre")
         return joint
     if table.get("opensim") is not None:
         joint.opensim, joint.coordinate = table.word("opensim"), table.word("coordinate")
         return joint
     joint.fit, joint.surface, joint.facing = table.word("fit"), table.word("surface"), table.word("facing", "")
-    joint.axis_towards = table.point("axis_towards")
+    joint.axis_towards = table.direction("axis_towards")
     if joint.fit not in FITS:
         raise Problem(f"{table.at('fit')}: '{joint.fit}' has to be one of {', '.join(FITS)}")
     return joint

@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -32,11 +33,12 @@ Write = Callable[[Anatomy, AnatomyMap, Say, bool], list[Path]]
 
 @contextmanager
 def write_import(out: Path, force: bool) -> Iterator[Write]:
-    """Gives a function that writes, and says which scenes there are. Raises Problem where `out` is something else."""
-    out = out.absolute()
+    """Gives a function that writes, and says which scenes there are. Raises Problem where `out` is something else, or holds more than
+    an import wrote."""
+    out = out.resolve()
     if out.exists():
-        if not (out / MARK).is_file():
-            raise Problem(f"--out {out}: is there already and is no import; name a new folder")
+        if strange := _strange_file(out):
+            raise Problem(f"--out {out}: is there already, and tools/import did not write {strange}; name a new folder")
         if not force:
             raise Problem(f"--out {out}: is there already; name another folder or add --force")
     out.parent.mkdir(parents=True, exist_ok=True)
@@ -48,12 +50,16 @@ def write_import(out: Path, force: bool) -> Iterator[Write]:
             say("drawing pictures")
             try:
                 draw_in_display("import", folder, [])
-            except Problem as problem:
-                say(f"no pictures: {problem}")
+            except (Problem, OSError) as problem:
+                print(f"import: no pictures: {problem}", file=sys.stderr)
+        files = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
+        (folder / MARK).write_text(json.dumps(as_json(result, anatomy) | {"files": [*files, MARK]}, indent=1) + "\n", encoding="utf-8")
         folder.chmod(0o755)
+        old = folder.with_name(f"{folder.name}.old")
         if out.exists():
-            shutil.rmtree(out)
+            out.rename(old)
         folder.rename(out)
+        shutil.rmtree(old, ignore_errors=True)
         return scenes
 
     try:
@@ -62,9 +68,20 @@ def write_import(out: Path, force: bool) -> Iterator[Write]:
         shutil.rmtree(folder, ignore_errors=True)
 
 
+def _strange_file(folder: Path) -> str:
+    """One that no import has written; empty where all of the folder is an import's."""
+    try:
+        told = json.loads((folder / MARK).read_text(encoding="utf-8"))
+        own = set(told["files"]) if told["musclebench_import"] == 1 else set()
+    except (OSError, ValueError, TypeError, KeyError):
+        own = set()
+    found = [str(path.relative_to(folder)) for path in sorted(folder.rglob("*")) if not path.is_dir()] if folder.is_dir() else [folder.name]
+    return next((name for name in found if name not in own), "" if own else "an empty folder")
+
+
 def _write(folder: Path, result: Anatomy, anatomy: AnatomyMap) -> list[Path]:
     (folder / "meshes").mkdir()
-    comments = (anatomy.title.replace("\n", " "), f"licence {anatomy.licence}; see README.md", "units metre")
+    comments = (anatomy.title, f"licence {anatomy.licence}; see README.md", "units metre")
     for name, part in result.parts.items():
         write_mesh(folder / "meshes" / f"{name}.ply", part.surface, comments)
     (folder / AREAS_FILE).write_text(areas_json(result.muscles), encoding="utf-8")
@@ -81,7 +98,7 @@ def _write(folder: Path, result: Anatomy, anatomy: AnatomyMap) -> list[Path]:
             scenes.append(kind / f"{name}.toml")
             (folder / scenes[-1]).write_text(text, encoding="utf-8")
     (folder / "README.md").write_text(readme(result, anatomy), encoding="utf-8")
-    (folder / MARK).write_text(json.dumps(as_json(result, anatomy), indent=1) + "\n", encoding="utf-8")
+    (folder / MARK).write_text(json.dumps(as_json(result, anatomy), indent=1) + "\n", encoding="utf-8")  # what pictures are drawn from
     return scenes
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -20,6 +21,7 @@ from .surface import Points, SignedDistance, Surface, sample_points
 from .tendon import FILLET_MM, Tendon, deepest_in_bones, tendon_path, with_tendon
 from .units import unit_of
 
+FARTHEST_END_MM = 15.0  # that a tendon's end is moved onto its bone; it is read off by eye
 REACH_MM = 30.0  # how far distances to bones are looked for
 BESIDE_MM = 15.0  # a bone whose box comes nearer than that may be touched
 ANGLES = 9  # at which a joint is looked at
@@ -54,14 +56,15 @@ class Anatomy:
         return {name: part.surface for name, part in self.parts.items() if part.found.kind in kinds}
 
 
-def import_anatomy(files: list[Found], anatomy: AnatomyMap, problems: list[str], say: Say) -> Anatomy:
-    """What can be imported, and a line for each file that can't. Raises Problem where nothing can."""
+def import_anatomy(files: list[Found], anatomy: AnatomyMap, problems: list[str], say: Say, is_whole: bool = True) -> Anatomy:
+    """What can be imported, and a line for each file that can't. Raises Problem where nothing can. `is_whole`: no muscle was left out
+    of `files` on purpose."""
     raw = _read(files, problems, say)
     if not raw:
-        raise Problem(f"{anatomy.path}: no mesh of the folder can be used:\n  " + "\n  ".join(problems))
-    unit = unit_of({found.path.name: surface.diagonal for found, surface in raw}, anatomy.unit)
+        raise Problem(f"{anatomy.path}: no mesh of the folder can be used")
+    unit = unit_of({str(found.path): surface.diagonal for found, surface in raw}, anatomy.unit)
     parts = _mended(raw, UNITS[unit], problems, say)
-    _check_names(anatomy, parts)
+    _check_names(anatomy, parts, is_whole, problems)
     result = Anatomy(unit, parts, [], [], [], problems)
     _add_tendons(result, anatomy, say)
     _decimate(result, anatomy.error_mm, say)
@@ -99,13 +102,15 @@ def _mended(raw: list[tuple[Found, Surface]], factor: float, problems: list[str]
     return parts
 
 
-def _check_names(anatomy: AnatomyMap, parts: dict[str, Part]) -> None:
-    """Raises Problem for a name that the folder has not."""
+def _check_names(anatomy: AnatomyMap, parts: dict[str, Part], is_whole: bool, problems: list[str]) -> None:
+    """Raises Problem for a bone that the folder has not; a muscle of the map that is not there is told."""
     solid = [name for name, part in parts.items() if part.found.kind != "muscle"]
     for place, name in [(f"joint {joint.name}", name) for joint in anatomy.joints for name in (*joint.moves, joint.surface, joint.facing) if name]:
         if name not in solid:
             raise Problem(f"{anatomy.path}: {place} names '{name}', and there is no such bone or cartilage; there are {', '.join(sorted(solid))}")
     for words in anatomy.muscles:
+        if words.name not in parts and is_whole:
+            problems.append(f"{anatomy.path}: there is no muscle '{words.name}' in the folder")
         for name in (*words.origin, *words.insertion, *([words.tendon.to] if words.tendon else [])):
             if words.name in parts and name not in solid:
                 raise Problem(f"{anatomy.path}: muscle {words.name} names '{name}', and there is no such bone; there are {', '.join(sorted(solid))}")
@@ -126,6 +131,8 @@ def _add_tendons(result: Anatomy, anatomy: AnatomyMap, say: Say) -> None:
         at = on_surface(bones[words.tendon.to], words.tendon.at * factor)
         tendon = Tendon(words.tendon.to, at, words.tendon.through * factor, words.tendon.radius)
         try:
+            if (moved := float(np.linalg.norm(at - words.tendon.at * factor))) > FARTHEST_END_MM:
+                raise Problem(f"its tendon's `at` is {moved:.0f} mm away from {words.tendon.to}; is the map for meshes in this place and unit?")
             part.tendon = tendon_path(part.surface, tendon, bones)
             part.tendon_in_bone = deepest_in_bones(part.tendon, tendon, bones)
             without, part.surface = part.surface, with_tendon(part.surface, part.tendon, tendon.radius)
@@ -147,10 +154,13 @@ def on_surface(surface: Surface, point: Points) -> Points:
 def _decimate(result: Anatomy, error_mm: float, say: Say) -> None:
     names = list(result.parts)
     say(f"decimating {len(names)} meshes to {error_mm:g} mm")
-    with ProcessPoolExecutor() as pool:
-        for name, (surface, gap) in zip(names, pool.map(decimated, [result.parts[name].surface for name in names], [error_mm] * len(names))):
-            result.parts[name].surface, result.parts[name].error_mm = surface, gap
-            say(f"decimated {name}")
+    try:
+        with ProcessPoolExecutor() as pool:
+            for name, (surface, gap) in zip(names, pool.map(decimated, [result.parts[name].surface for name in names], [error_mm] * len(names))):
+                result.parts[name].surface, result.parts[name].error_mm = surface, gap
+                say(f"decimated {name}")
+    except BrokenProcessPool:
+        raise Problem("a process that decimates was ended from outside; was there memory enough?") from None
     for name, (muscle, radius) in result.without_tendons.items():
         if name in result.parts:
             result.parts[name].error_mm = _gap_beside_tendon(muscle, result.parts[name], radius)
@@ -224,6 +234,9 @@ def _attach(result: Anatomy, anatomy: AnatomyMap, name: str, part: Part) -> None
 
 def _areas(part: Part, words: MuscleWords, near: float, distances: dict[str, Points]) -> list[Area]:
     roles = dict.fromkeys(words.insertion, "insertion") | dict.fromkeys(words.origin, "origin")
+    if bool(words.origin) != bool(words.insertion) and words.tendon is None:  # the other end is where it touches
+        other = "insertion" if words.origin else "origin"
+        roles = dict.fromkeys(distances, other) | roles
     allowed = np.ones(len(part.surface.vertices), dtype=bool)
     ends = []
     if part.tendon is not None and words.tendon is not None:
@@ -254,10 +267,10 @@ def _bones_beside(result: Anatomy, muscle: Surface, areas: list[Area]) -> list[s
 
 def _overlaps(muscles: dict[str, Surface]) -> list[tuple[str, str, int, float]]:
     found = []
-    names = list(muscles)
-    for one in names:
-        for other in (name for name in names if name != one):
-            depths = -SignedDistance(muscles[other]).within(muscles[one].vertices, 1.0)
+    for other, surface in muscles.items():
+        distance = SignedDistance(surface)
+        for one in (name for name in muscles if name != other):
+            depths = -distance.within(muscles[one].vertices, 1.0)
             if inside := int(np.count_nonzero(depths > 0)):
                 found.append((one, other, inside, float(depths.max())))
     return found

@@ -5,8 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
+from ..program.cli import Problem
 from .surface import Points, SignedDistance, Surface
 
+UNCERTAIN = 0.2  # cosine of an angle
 FACING_MM = 6.0  # a point of the surface articulates where the other one is as near
 
 
@@ -54,7 +56,9 @@ def fit_cylinder(points: Points, towards: Points) -> Axis:
     assert best is not None
     found, axes = best
     direction = _direction(found.x) @ axes
-    direction *= np.sign(direction @ towards) or 1.0
+    if abs(direction @ towards) < UNCERTAIN * np.linalg.norm(towards):
+        raise Problem("the fitted axis is nearly at right angles to axis_towards, which does not tell its sign; give another direction")
+    direction *= np.sign(direction @ towards)
     centre = centroid + np.array([0.0, found.x[2], found.x[3]]) @ axes
     centre += ((centroid - centre) @ direction) * direction
     return Axis(direction, centre, float(abs(found.x[4])), float(np.sqrt(np.mean(found.fun**2))))

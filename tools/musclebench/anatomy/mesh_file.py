@@ -1,6 +1,10 @@
 """Reads a mesh of any format that VTK knows, and brings it in order: welded, of one part, closed, outside out."""
 
+import faulthandler
+import multiprocessing
+import os
 from dataclasses import dataclass, field
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +19,10 @@ from .surface import Surface, as_vtk, from_vtk
 READERS = {".stl": vtk.vtkSTLReader, ".obj": vtk.vtkOBJReader, ".ply": vtk.vtkPLYReader, ".vtp": vtk.vtkXMLPolyDataReader,
            ".vtk": vtk.vtkPolyDataReader}
 SMALL_HOLE = 0.1  # of the mesh's diagonal; a larger one is a missing part
-SMALL_PART = 0.02  # of the area: debris of a segmentation
+SMALL_PART = 0.02  # of the largest part's area: debris of a segmentation
+ROUNDED = 1e-6  # of the mesh's diagonal: vertices that are so near are one
+FLAT = 1e-9  # volume over the diagonal cubed of what encloses nothing
+FORKED = multiprocessing.get_context("fork")
 
 
 @dataclass
@@ -26,15 +33,20 @@ class Mended:
 
 def read_mesh(path: Path) -> Surface:
     """As in the file, in its unit. Raises Problem."""
-    reader = READERS[path.suffix.lower()]()
-    reader.SetFileName(str(path))
-    quiet = vtk.vtkObject.GetGlobalWarningDisplay()
-    vtk.vtkObject.GlobalWarningDisplayOff()
+    # VTK's readers end the process at some damaged files, so each reads in one of its own.
+    mine, theirs = FORKED.Pipe(duplex=False)
+    child = FORKED.Process(target=_read, args=(path, theirs))
+    child.start()
+    theirs.close()
+    surface: Surface | None
     try:
-        reader.Update()
+        surface, error = mine.recv()
+    except EOFError:
+        surface, error = None, "it ends VTK's reader"
     finally:
-        vtk.vtkObject.SetGlobalWarningDisplay(quiet)
-    surface = from_vtk(reader.GetOutput())
+        child.join()
+    if surface is None:
+        raise Problem(f"{path}: can't be read ({error}); is it whole? Export it again")
     if not len(surface.triangles):
         raise Problem(f"{path}: holds no triangle; export it as a surface (STL, PLY, OBJ, VTP or VTK)")
     if not np.isfinite(surface.vertices).all():
@@ -42,17 +54,51 @@ def read_mesh(path: Path) -> Surface:
     return surface
 
 
+def _read(path: Path, answer: Connection) -> None:
+    """Sends the surface, or None and what is wrong."""
+    told = _wrong_numbers(path) if path.suffix.lower() == ".obj" else []
+    faulthandler.disable()
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)  # some of what readers say goes past VTK
+    reader = READERS[path.suffix.lower()]()
+    for event in ("ErrorEvent", "WarningEvent"):
+        reader.AddObserver(event, lambda *_: told.append("VTK finds it damaged"))
+    reader.SetFileName(str(path))
+    reader.Update()
+    surface = from_vtk(reader.GetOutput())
+    corners = surface.triangles
+    if len(corners) and not (0 <= corners.min() and corners.max() < len(surface.vertices)):
+        told.append("a triangle names a vertex that is not there")
+    answer.send((None, told[0]) if told else (surface, ""))
+
+
+def _wrong_numbers(path: Path) -> list[str]:
+    """VTK takes a word for 0."""
+    for number, line in enumerate(path.read_text(encoding="latin-1").splitlines(), 1):
+        if line.startswith("v "):
+            try:
+                if all(np.isfinite(float(word)) for word in line.split()[1:4]):
+                    continue
+            except ValueError:
+                pass
+            return [f"line {number} has no three numbers"]
+    return []
+
+
 def mend(surface: Surface, name: str) -> Mended:
     """Welds vertices at one place, drops what is degenerate or debris, closes small holes, turns triangles outward. Raises Problem
-    where the surface then is not closed."""
-    mended = Mended(_welded(surface))
+    where the surface then is not closed, or encloses nothing."""
+    mended = Mended(_welded(_snapped(surface)))
     _drop(mended, _degenerate(mended.surface), "degenerate or double triangles")
     _drop(mended, _debris(mended.surface), "triangles of loose parts")
+    if not len(mended.surface.triangles):
+        raise Problem(f"{name}: encloses no volume; export a closed surface")
     if open_edges(mended.surface):
         _close(mended)
     if rest := open_edges(mended.surface):
         raise Problem(f"{name}: is open ({rest} edges have no second triangle, in holes wider than {SMALL_HOLE:.0%} of it); close it in a mesh editor")
     _turn_outward(mended)
+    if not mended.surface.volume > FLAT * mended.surface.diagonal**3:
+        raise Problem(f"{name}: encloses no volume; export a closed surface")
     return mended
 
 
@@ -69,6 +115,16 @@ def parts_of(surface: Surface) -> tuple[int, NDArray[np.int32]]:
     size = len(surface.vertices)
     count, labels = connected_components(coo_matrix((np.ones(len(ends)), ends.T), shape=(size, size)), directed=False)
     return int(count), labels
+
+
+def _snapped(surface: Surface) -> Surface:
+    """Vertices that differ by what an export rounds are at one place."""
+    clean = vtk.vtkCleanPolyData()
+    clean.SetInputData(as_vtk(surface))
+    clean.SetTolerance(ROUNDED)
+    clean.ConvertPolysToLinesOff()
+    clean.Update()
+    return from_vtk(clean.GetOutput())
 
 
 def _welded(surface: Surface) -> Surface:
@@ -94,7 +150,7 @@ def _debris(surface: Surface) -> NDArray[np.bool_]:
     _, labels = parts_of(surface)
     of_triangles = labels[surface.triangles[:, 0]]
     areas = np.bincount(of_triangles, weights=surface.areas)
-    found: NDArray[np.bool_] = (areas < SMALL_PART * areas.sum())[of_triangles]
+    found: NDArray[np.bool_] = (areas < SMALL_PART * areas.max(initial=0.0))[of_triangles]
     return found
 
 
@@ -122,10 +178,12 @@ def _turn_outward(mended: Mended) -> None:
     normals.ConsistencyOn()
     normals.AutoOrientNormalsOn()
     normals.ComputePointNormalsOff()
+    normals.ComputeCellNormalsOn()  # without either the filter does nothing
     normals.Update()
     turned = from_vtk(normals.GetOutput())
     if turned.volume < 0:
         turned = Surface(turned.vertices, turned.triangles[:, ::-1].copy())
-    if mended.surface.volume < 0:
-        mended.repairs.append("turned inside out, and turned back")
+    before, after = ({tuple(np.roll(corners, -corners.argmin())) for corners in one.triangles} for one in (mended.surface, turned))
+    if changed := len(before - after):
+        mended.repairs.append("turned inside out, and turned back" if changed == len(before) else f"{changed} triangles turned outward")
     mended.surface = turned

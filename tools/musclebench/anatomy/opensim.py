@@ -28,6 +28,8 @@ def opensim_axis(path: Path, coordinate: str) -> tuple[Points, Points]:
     axis = np.array(PIN_AXIS) if joint.tag == "PinJoint" else _rotation_axis(joint, coordinate)
     if axis is None:
         raise Problem(f"{path}: coordinate '{coordinate}' turns about no axis of its own; give axis and centre")
+    if not np.linalg.norm(axis) > 0:
+        raise Problem(f"{path}: the axis of coordinate '{coordinate}' has no length; give axis and centre")
     direction: Points = axes_from_body_fixed_xyz(angles) @ axis
     return direction / np.linalg.norm(direction), centre
 
@@ -49,4 +51,9 @@ def _rotation_axis(joint: ElementTree.Element, coordinate: str) -> Points | None
 
 
 def _vector(element: ElementTree.Element, tag: str) -> Points:
-    return np.array([float(word) for word in (element.findtext(tag) or "0 0 0").split()])
+    text = element.findtext(tag) or "0 0 0"
+    try:
+        found: Points = np.array([float(word) for word in text.split()]).reshape(3)
+    except ValueError:
+        raise Problem(f"an OpenSim model has {tag} '{text}', which is no vector of three numbers") from None
+    return found

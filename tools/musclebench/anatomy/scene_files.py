@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from .anatomy_map import AnatomyMap
 from .attaching import Area
@@ -52,7 +53,7 @@ def scene_text(anatomy: AnatomyMap, joint: Joint | None, muscles: list[MusclePar
             lines += ["[[attachment]]", f"name = {_quoted(f'{muscle.name}_{area.name}' if len(muscles) > 1 else area.name)}",
                       f"muscle = {_quoted(muscle.name)}", f"bone = {_quoted(area.bone)}", 'near = "points"',
                       f"outline = {_quoted(f'../../{AREAS_FILE}#{muscle.name}/{area.role}/{area.bone}')}",
-                      f"distance_m = {half_edge_m(muscle.surface):.6f}   # half an edge: split meshes are attached alike", ""]
+                      f"distance_m = {reach_m(muscle.surface, area):.4g}", ""]
     return "\n".join([*lines, effects.strip(), ""])
 
 
@@ -62,9 +63,13 @@ def source_lines(anatomy: AnatomyMap) -> list[str]:
     return lines + ([f"url = {_quoted(anatomy.source)}"] if anatomy.source else [])
 
 
-def half_edge_m(surface: Surface) -> float:
+def reach_m(surface: Surface, area: Area) -> float:
+    """That binds the nodes of the area and no other one: half the way to the next, and at most half an edge."""
     corners = surface.corners
-    return float(np.median(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)) / 2000)
+    half_edge = float(np.median(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2))) / 2
+    others = np.delete(surface.vertices, area.nodes, axis=0)
+    to_next = cKDTree(surface.vertices[area.nodes]).query(others)[0].min(initial=2 * half_edge)
+    return float(min(half_edge, to_next / 2)) / 1000
 
 
 def areas_json(muscles: list[MusclePart]) -> str:

@@ -6,12 +6,13 @@ from scipy.spatial import cKDTree
 
 from .surface import Points, Surface
 
+MOST_PAIRS = 20_000_000  # near each other: a mesh of such long triangles is not looked at
 INSIDE = 1e-6  # share of an edge or a triangle: what only touches does not count
 FLAT = 1e-9  # sine of an angle: an edge in the plane of a triangle does not pass through it
 
 
 def crossing_triangles(surface: Surface) -> int:
-    """How many pass through one that shares no edge with them."""
+    """How many pass through one that shares no edge with them; 0 where there are more than MOST_PAIRS to look at."""
     corners = surface.corners
     pairs = _near_pairs(surface)
     crossed = np.zeros(len(pairs), dtype=bool)
@@ -28,7 +29,10 @@ def _near_pairs(surface: Surface) -> NDArray[np.int64]:
     centres = corners.mean(axis=1)
     reach = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)
     order = np.argsort(reach)
-    near = cKDTree(centres).query_ball_point(centres, 2 * reach)  # the larger of two finds the smaller
+    tree = cKDTree(centres)
+    if tree.query_ball_point(centres, 2 * reach, return_length=True).sum() > MOST_PAIRS:
+        return np.empty((0, 2), dtype=np.int64)
+    near = tree.query_ball_point(centres, 2 * reach)  # the larger of two finds the smaller
     first = np.repeat(np.arange(len(near)), [len(one) for one in near])
     second = np.concatenate([np.asarray(one, dtype=np.int64) for one in near])
     rank = np.empty(len(order), dtype=np.int64)

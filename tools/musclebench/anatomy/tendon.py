@@ -75,7 +75,7 @@ def with_tendon(muscle: Surface, path: Points, radius: float) -> Surface:
     mended = mend(_contour(united, low), "muscle and tendon").surface
     mended.vertices = _on_muscle(mended.vertices, muscle, path, radius)
     if mended.volume < muscle.volume:
-        raise Problem("muscle and tendon do not meet; let `through_mm` begin at the muscle's end")
+        raise Problem("muscle and tendon do not meet; let `through` begin at the muscle's end")
     return mended
 
 

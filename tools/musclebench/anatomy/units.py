@@ -17,9 +17,11 @@ def unit_of(diagonals: dict[str, float], told: str) -> str:
         name, size = max(odd.items(), key=lambda one: float(abs(np.log(one[1] / typical))))
         raise Problem(f"{name}: is {size:.3g} large, where the others are some {typical:.3g}: another unit; convert it, or take it out of the folder"
                       + (f" ({len(odd)} files are like that)" if len(odd) > 1 else ""))
-    if told:
-        return told
     largest = max(diagonals.values())
+    if told:
+        if not LARGEST_PART_MM[0] <= UNITS[told] * largest <= LARGEST_PART_MM[1]:
+            raise Problem(f"the largest mesh is {largest:.3g} {told} large, which no bone or muscle is; give another unit")
+        return told
     fitting = [unit for unit, factor in UNITS.items() if LARGEST_PART_MM[0] <= factor * largest <= LARGEST_PART_MM[1]]
     if len(fitting) != 1:
         raise Problem(f"the largest mesh is {largest:.3g} large, which " + (f"{' and '.join(fitting)} both fit" if fitting else "no unit fits") +

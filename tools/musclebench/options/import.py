@@ -9,7 +9,7 @@ What can't be used is listed with the reason, and the rest goes on. --out then h
 pictures, and a README with licence, citations, errors and attachments.
 
   tools/import ~/Downloads/right --map datasets/maps/visible_human_female.toml --out leg
-  build/release/bench/musclebench run leg/scenes/ankle/soleus.toml --backend bvh --out leg/soleus
+  build/release/bench/musclebench run leg/scenes/ankle/soleus.toml --backend bvh --out leg_runs/soleus
 
 Exit codes: 0 all was imported; 2 nothing was written, and one line says what is wrong; 3 it is written, and some files could not be
 used.
