@@ -123,8 +123,9 @@ class Board {
     const cells = [
       [row.rank, true], [this.linkOf(row.backend)],
       [escaped(nameOf(row))], [`${figure(row.time_ms)}${row.is_disturbed ? " *" : ""} <span class="quiet">(${figure(row.time_ms_low)} to ${figure(row.time_ms_high)})</span>`, true], [`${row.times.toPrecision(3)}${row.is_tied ? " (overlaps)" : ""}`, true],
-      [row.error < EXACT_MM ? "exact" : `${figure(row.error)} ${about.unit}`, true], [figure(row.build_s), true], [pays, true], [figure(row.structure_mb), true],
-      [escaped(this.state.error === "surface" ? `${row.standing}; ${row.division}` : "claimed; open")], [escaped(boundOf(row)), true], [escaped(`${row.measured}${row.is_old ? ", other query set" : ""}`)],
+      [row.error < EXACT_MM ? "exact" : `${figure(row.error)} ${about.unit}`, true],
+      [escaped(this.state.error === "surface" ? `${row.standing}; ${row.division}` : "claimed; open")], [figure(row.build_s), true], [pays, true], [figure(row.structure_mb), true],
+      [escaped(boundOf(row)), true], [escaped(`${row.measured}${row.is_old ? ", other query set" : ""}`)],
     ];
     return `<tr${row.is_old ? ' class="old"' : ""}>${cells.map(([text, isNumber]) => `<td${isNumber ? ' class="number"' : ""}>${text}</td>`).join("")}</tr>`;
   }
