@@ -15,7 +15,8 @@ TABLE = Path("backends/CMakeLists.txt")
 MADE_FOR_ONE = {Path("tools/mutants.toml"), Path("cmake/public_headers.txt")}
 OUTSIDE = "outside"  # each folder in it is a backend's own, too
 # Where a library's name means the library, not the backend of that name.
-OF_LIBRARY = {Path("bench/experiments/speed.toml"): "embree", Path("bench/micro/embree_benchmark.cpp"): "embree",
+OF_LIBRARY = {Path("tools/import.py"): "vtk", Path("bench/experiments/speed.toml"): "embree",
+              Path("bench/micro/embree_benchmark.cpp"): "embree",
               Path("cmake/check_includes.py"): "embree", Path("tools/musclebench/options/report.py"): "vtk",
               Path("tools/musclebench/pictures/in_display.py"): "vtk",
               Path("tools/musclebench/program/optional_packages.py"): "vtk"}

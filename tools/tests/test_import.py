@@ -2,6 +2,7 @@
 
 import importlib
 import json
+import locale
 import os
 import re
 import subprocess
@@ -67,7 +68,9 @@ def write(surface: Surface, path: Path) -> Path:
     writer = WRITERS[path.suffix]()
     writer.SetInputData(as_vtk(surface))
     writer.SetFileName(str(path))
+    before = locale.setlocale(locale.LC_ALL)
     writer.Write()
+    locale.setlocale(locale.LC_ALL, before)  # VTK's legacy writer sets another one, and files of later tests were read as ASCII
     return path
 
 
