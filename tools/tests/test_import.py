@@ -12,15 +12,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 import vtk
+from scipy.spatial import cKDTree
 
 from musclebench.anatomy import units
 from musclebench.anatomy.anatomy_map import find_files, read_map
 from musclebench.anatomy.attaching import Area, areas_near_bones, distances_to, moved_out
+from musclebench.anatomy.import_folder import write_import
 from musclebench.anatomy.importing import on_surface, turned
 from musclebench.anatomy.joint_axis import Axis, articulating_points, fit_cylinder, fit_sphere
 from musclebench.anatomy.mesh_file import mend, open_edges, read_mesh
 from musclebench.anatomy.opensim import opensim_axis
 from musclebench.anatomy.resolution import decimated
+from musclebench.anatomy.scene_files import reach_m
 from musclebench.anatomy.self_crossings import crossing_triangles
 from musclebench.anatomy.surface import SignedDistance, Surface, as_vtk, from_vtk, largest_gap, merged
 from musclebench.anatomy.tendon import GAP_MM, Tendon, deepest_in_bones, tendon_path, with_tendon
@@ -379,6 +382,24 @@ def test_a_muscle_is_attached_where_it_touches():
     for area in chosen:
         gaps = np.linalg.norm(muscle.vertices[area.nodes] - [0, 0, -20.5 if area.bone == "low" else 121], axis=1) - 20
         assert gaps.max() < 2.05 and len(area.nodes) >= 4
+
+
+def test_a_scene_attaches_the_nodes_of_an_area_and_no_other():
+    muscle = spindle()
+    muscle.vertices[:, 2] = 100 * (muscle.vertices[:, 2] / 100) ** 3  # edges of very different lengths
+    area = Area("bone", "origin", np.flatnonzero(muscle.vertices[:, 2] < 0.02), 0.0)
+    near = cKDTree(muscle.vertices[area.nodes]).query(muscle.vertices)[0] / 1000 <= reach_m(muscle, area)
+    assert np.flatnonzero(near).tolist() == area.nodes.tolist() and 5 < len(area.nodes) < 300
+
+
+def test_only_an_import_is_replaced(tmp_path):
+    (tmp_path / "import.json").write_text('{"my": 1}')
+    (tmp_path / "thesis.tex").write_text("mine")
+    with pytest.raises(Problem, match="did not write import.json"), write_import(tmp_path, force=True):
+        pass
+    (tmp_path / "import.json").write_text('{"musclebench_import": 1, "files": ["import.json"]}')
+    with pytest.raises(Problem, match="did not write thesis.tex"), write_import(tmp_path, force=True):
+        pass
 
 
 def test_free_nodes_are_moved_out_of_bones():
