@@ -3,29 +3,29 @@
 
 import importlib
 import sys
-import time
+from pathlib import Path
 
-from musclebench.anatomy.anatomy_map import find_files, read_map
-from musclebench.anatomy.import_folder import write_import
+from musclebench.anatomy.anatomy_map import read_map
+from musclebench.anatomy.found_files import find_files
+from musclebench.anatomy.import_folder import MARK, write_import
 from musclebench.anatomy.importing import import_anatomy
+from musclebench.pictures.in_display import draw_in_display
 from musclebench.program.cli import Problem, run_command
 from musclebench.program.optional_packages import require
+from musclebench.program.talker import Talker
+from musclebench.program.whole_folder import whole_folder
 
 TOOL = importlib.import_module("musclebench.options.import").TOOL  # its name is a word of Python's
 CODE_PARTLY = 3
-SILENT_S = 2.0
 
 
-class Progress:
-    """Says what is being done once it lasts."""
-
-    def __init__(self) -> None:
-        self.start = time.monotonic()
-
-    def __call__(self, text: str) -> None:
-        passed = time.monotonic() - self.start
-        if passed > SILENT_S:
-            print(f"import: {passed:4.0f} s: {text}", file=sys.stderr, flush=True)
+def draw(folder: Path, say: Talker) -> None:
+    """An import without pictures is one, too."""
+    say("drawing pictures")
+    try:
+        draw_in_display("import", folder, [])
+    except (Problem, OSError) as problem:
+        print(f"import: no pictures: {problem}", file=sys.stderr)
 
 
 def tell(problems: list[str]) -> None:
@@ -59,11 +59,13 @@ def make(options) -> int:
         files = [one for one in files if one.kind != "muscle" or one.name in options.muscle]
     if not files:
         raise Problem(f"{options.folder}: no file matches a pattern of {options.map}; list the folder, and mend [files] of the map")
-    say = Progress()
+    say = Talker("import")
     try:
-        with write_import(options.out, options.force) as write:
+        with whole_folder(options.out, MARK, "import", options.force) as folder:
             result = import_anatomy(files, anatomy, problems, say, not options.muscle)
-            scenes = write(result, anatomy, say, not options.no_pictures)
+            scenes = write_import(folder, result, anatomy)
+            if not options.no_pictures:
+                draw(folder, say)
     except Problem:
         tell(problems)  # the reason may be one of these
         raise

@@ -7,12 +7,12 @@ import os
 import shutil
 import sys
 import tempfile
-import time
 from pathlib import Path
 
 from musclebench.lhdl import data_folder, upstream
-from musclebench.program.cli import Problem
 from musclebench.lhdl.write_ply import COMMENTS, write_ply
+from musclebench.program.cli import Problem
+from musclebench.program.talker import Talker
 
 EPILOG = f"""UPSTREAM_DIR holds two checkouts:
   git clone {upstream.SOURCES[0]['repository']}  (commit {upstream.SOURCES[0]['commit'][:12]})
@@ -42,17 +42,6 @@ def readme_text() -> str:
         f"Cite:\n\n{citations}\n\nLengths are metres; x towards the subject's left, y backwards, z up. "
         "`lhdl.json` describes every file.\n"
     )
-
-
-class Talker:
-    """Says what is being done once the work has lasted two seconds."""
-
-    def __init__(self):
-        self.start = time.monotonic()
-
-    def __call__(self, text: str) -> None:
-        if time.monotonic() - self.start > 2.0:
-            print(f"import_lhdl: {text}", file=sys.stderr)
 
 
 def write_folder(folder: Path, upstream_dir: Path, say) -> None:
@@ -87,7 +76,7 @@ def import_lhdl(upstream_dir: Path, out_dir: Path, force: bool, say) -> None:
 def main(arguments=None) -> int:
     options = parse_arguments(arguments)
     try:
-        import_lhdl(options.upstream_dir, options.out_dir.absolute(), options.force, Talker())
+        import_lhdl(options.upstream_dir, options.out_dir.absolute(), options.force, Talker("import_lhdl"))
     except (upstream.ImportProblem, Problem, OSError) as problem:
         print(f"import_lhdl: {problem}", file=sys.stderr)
         return 2

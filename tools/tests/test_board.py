@@ -219,7 +219,7 @@ def test_names_that_look_alike_have_pages_of_their_own():
 def test_only_a_board_is_replaced(published, tmp_path, no_script, monkeypatch):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "notes.txt").write_text("mine")
-    with pytest.raises(Problem, match="is no board"):
+    with pytest.raises(Problem, match="is no board alone"):
         site.write_site([published], [], tmp_path / "mine")
     site.write_site([published], [], tmp_path / "board")
     (tmp_path / "board" / "scenes" / "mine.html").write_text("mine")

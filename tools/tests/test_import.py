@@ -15,11 +15,11 @@ import vtk
 from scipy.spatial import cKDTree
 
 from musclebench.anatomy import units
-from musclebench.anatomy.anatomy_map import find_files, read_map
+from musclebench.anatomy.anatomy_map import read_map
 from musclebench.anatomy.attaching import Area, areas_near_bones, distances_to, moved_out
-from musclebench.anatomy.import_folder import write_import
-from musclebench.anatomy.importing import on_surface, turned
+from musclebench.anatomy.found_files import find_files
 from musclebench.anatomy.joint_axis import Axis, articulating_points, fit_cylinder, fit_sphere
+from musclebench.anatomy.joints import turned
 from musclebench.anatomy.mesh_file import mend, open_edges, read_mesh
 from musclebench.anatomy.opensim import opensim_axis
 from musclebench.anatomy.resolution import decimated
@@ -28,6 +28,7 @@ from musclebench.anatomy.self_crossings import crossing_triangles
 from musclebench.anatomy.surface import SignedDistance, Surface, as_vtk, from_vtk, largest_gap, merged
 from musclebench.anatomy.tendon import GAP_MM, Tendon, deepest_in_bones, tendon_path, with_tendon
 from musclebench.program.cli import Problem
+from musclebench.program.whole_folder import whole_folder
 
 PROJECT = Path(__file__).resolve().parents[2]
 WRITERS = {".stl": vtk.vtkSTLWriter, ".ply": vtk.vtkPLYWriter, ".obj": vtk.vtkOBJWriter, ".vtp": vtk.vtkXMLPolyDataWriter, ".vtk": vtk.vtkPolyDataWriter}
@@ -119,12 +120,12 @@ def test_a_knee_becomes_a_scene_that_runs(knee, tmp_path, capsys):
 def test_an_import_replaces_nothing_else(knee, tmp_path, capsys):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "notes.txt").write_text("mine")
-    assert run(knee, tmp_path / "mine", "--force") == 2 and "did not write notes.txt" in capsys.readouterr().err
+    assert run(knee, tmp_path / "mine", "--force") == 2 and "notes.txt is none of its files" in capsys.readouterr().err
     assert run(knee, tmp_path / "out") == 0 and run(knee, tmp_path / "out") == 2 and "--force" in capsys.readouterr().err
     assert run(knee, tmp_path / "out", "--force") == 0
     (tmp_path / "out" / "runs").mkdir()
     (tmp_path / "out" / "runs" / "run.json").write_text("{}")
-    assert run(knee, tmp_path / "out", "--force") == 2 and "did not write runs/run.json" in capsys.readouterr().err
+    assert run(knee, tmp_path / "out", "--force") == 2 and "runs/run.json is none of its files" in capsys.readouterr().err
     assert run(tmp_path / "out" / "meshes", tmp_path / "out", "--force", text=MAP) == 2 and "FOLDER lies in it" in capsys.readouterr().err
     assert (tmp_path / "out" / "meshes" / "femur.ply").is_file() and (tmp_path / "mine" / "notes.txt").is_file()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["map.toml", "mine", "out"]
@@ -339,7 +340,7 @@ def test_a_tendon_goes_the_shortest_way_around_a_bone():
     """Over a ball: straight, an arc at the tendon's distance, straight. The length is known."""
     muscle, radius = spindle(), 2.0
     bone, end = ball(15, (0, 0, 130), cells=60), ball(4, (0, 3, 170))
-    tendon = Tendon("end", on_surface(end, np.array([0, 3.0, 165.0])), np.array([[0.0, 18.5, 131.0]]), radius)
+    tendon = Tendon("end", SignedDistance(end).nearest(np.array([0, 3.0, 165.0])), np.array([[0.0, 18.5, 131.0]]), radius)
     bones = {"bone": bone, "end": end}
     path = tendon_path(muscle, tendon, bones)
     assert deepest_in_bones(path, tendon, bones) == ("", 0.0)
@@ -395,10 +396,10 @@ def test_a_scene_attaches_the_nodes_of_an_area_and_no_other():
 def test_only_an_import_is_replaced(tmp_path):
     (tmp_path / "import.json").write_text('{"my": 1}')
     (tmp_path / "thesis.tex").write_text("mine")
-    with pytest.raises(Problem, match="did not write import.json"), write_import(tmp_path, force=True):
+    with pytest.raises(Problem, match="import.json is none of its files"), whole_folder(tmp_path, "import.json", "import"):
         pass
     (tmp_path / "import.json").write_text('{"musclebench_import": 1, "files": ["import.json"]}')
-    with pytest.raises(Problem, match="did not write thesis.tex"), write_import(tmp_path, force=True):
+    with pytest.raises(Problem, match="thesis.tex is none of its files"), whole_folder(tmp_path, "import.json", "import"):
         pass
 
 

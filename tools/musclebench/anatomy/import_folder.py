@@ -1,18 +1,16 @@
-"""The folder that an import makes. It takes the place of an older one when it is whole."""
+"""What an import writes."""
 
 import json
-import shutil
-import sys
-import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
-from ..pictures.in_display import draw_in_display
-from ..program.cli import Problem
+import numpy as np
+
+from ..lhdl.write_ply import write_ply
 from .anatomy_map import AnatomyMap
-from .importing import Anatomy, Say
-from .scene_files import AREAS_FILE, Joint, MusclePart, areas_json, scene_text, write_mesh
+from .importing import Anatomy
+from .joints import Joint
+from .map_table import TOGETHER
+from .scene_files import AREAS_FILE, MusclePart, areas_json, scene_text
 
 MARK = "import.json"
 # The first run asks the scene by trial which effects it needs.
@@ -23,67 +21,18 @@ surface_mm = 0.1
 [effects]
 auto = true
 """
-TOGETHER = """
+ALL_EFFECTS = """
 [contact]
 muscle_contact = true
 """ + EFFECTS
 
-Write = Callable[[Anatomy, AnatomyMap, Say, bool], list[Path]]
 
-
-@contextmanager
-def write_import(out: Path, force: bool) -> Iterator[Write]:
-    """Gives a function that writes, and says which scenes there are. Raises Problem where `out` is something else, or holds more than
-    an import wrote."""
-    out = out.resolve()
-    if out.exists():
-        if strange := _strange_file(out):
-            raise Problem(f"--out {out}: is there already, and tools/import did not write {strange}; name a new folder")
-        if not force:
-            raise Problem(f"--out {out}: is there already; name another folder or add --force")
-    out.parent.mkdir(parents=True, exist_ok=True)
-    folder = Path(tempfile.mkdtemp(prefix=f".{out.name}.", dir=out.parent))
-
-    def write(result: Anatomy, anatomy: AnatomyMap, say: Say, with_pictures: bool) -> list[Path]:
-        scenes = _write(folder, result, anatomy)
-        if with_pictures:
-            say("drawing pictures")
-            try:
-                draw_in_display("import", folder, [])
-            except (Problem, OSError) as problem:
-                print(f"import: no pictures: {problem}", file=sys.stderr)
-        files = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
-        (folder / MARK).write_text(json.dumps(as_json(result, anatomy) | {"files": [*files, MARK]}, indent=1) + "\n", encoding="utf-8")
-        folder.chmod(0o755)
-        old = folder.with_name(f"{folder.name}.old")
-        if out.exists():
-            out.rename(old)
-        folder.rename(out)
-        shutil.rmtree(old, ignore_errors=True)
-        return scenes
-
-    try:
-        yield write
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
-
-
-def _strange_file(folder: Path) -> str:
-    """One that no import has written; empty where all of the folder is an import's."""
-    try:
-        told = json.loads((folder / MARK).read_text(encoding="utf-8"))
-        own = set(told["files"]) if told["musclebench_import"] == 1 else set()
-    except (OSError, ValueError, TypeError, KeyError):
-        own = set()
-    found = [str(path.relative_to(folder)) for path in sorted(folder.rglob("*")) if not path.is_dir()] if folder.is_dir() else [folder.name]
-    return next((name for name in found if name not in own), "" if own else "an empty folder")
-
-
-def _write(folder: Path, result: Anatomy, anatomy: AnatomyMap) -> list[Path]:
+def write_import(folder: Path, result: Anatomy, anatomy: AnatomyMap) -> list[Path]:
+    """Into an empty folder. The scenes, below it."""
     (folder / "meshes").mkdir()
     comments = (anatomy.title, f"licence {anatomy.licence}; see README.md", "units metre")
     for name, part in result.parts.items():
-        write_mesh(folder / "meshes" / f"{name}.ply", part.surface, comments)
+        write_ply(folder / "meshes" / f"{name}.ply", part.surface.vertices / 1000, part.surface.triangles.astype(np.int32), comments)
     (folder / AREAS_FILE).write_text(areas_json(result.muscles), encoding="utf-8")
     scenes = []
     joints: list[Joint | None] = [*result.joints] or [None]
@@ -93,12 +42,12 @@ def _write(folder: Path, result: Anatomy, anatomy: AnatomyMap) -> list[Path]:
         (folder / kind).mkdir(parents=True)
         texts = {muscle.name: scene_text(anatomy, joint, [muscle], EFFECTS) for muscle in moved}
         if len(moved) > 1:
-            texts["all"] = scene_text(anatomy, joint, moved, TOGETHER)
+            texts[TOGETHER] = scene_text(anatomy, joint, moved, ALL_EFFECTS)
         for name, text in texts.items():
             scenes.append(kind / f"{name}.toml")
             (folder / scenes[-1]).write_text(text, encoding="utf-8")
     (folder / "README.md").write_text(readme(result, anatomy), encoding="utf-8")
-    (folder / MARK).write_text(json.dumps(as_json(result, anatomy), indent=1) + "\n", encoding="utf-8")  # what pictures are drawn from
+    (folder / MARK).write_text(json.dumps(as_json(result, anatomy), indent=1) + "\n", encoding="utf-8")
     return scenes
 
 
@@ -110,7 +59,7 @@ def is_moved(muscle: MusclePart, joint: Joint) -> bool:
 
 def as_json(result: Anatomy, anatomy: AnatomyMap) -> dict[str, object]:
     return {
-        "musclebench_import": 1, "title": anatomy.title, "licence": anatomy.licence, "non_commercial": anatomy.is_non_commercial, "cite": anatomy.cite,
+        "title": anatomy.title, "licence": anatomy.licence, "non_commercial": anatomy.is_non_commercial, "cite": anatomy.cite,
         "source": anatomy.source, "unit": result.unit,
         "meshes": [{"name": name, "kind": part.found.kind, "file": part.found.path.name, "triangles_in_file": part.raw_triangles,
                     "triangles": len(part.surface.triangles), "error_mm": part.error_mm, "volume_ml": part.surface.volume / 1000,
@@ -139,7 +88,7 @@ def readme(result: Anatomy, anatomy: AnatomyMap) -> str:
     lines += [f"| {muscle.name} | {area.role} | {area.bone} | {len(area.nodes)} | {area.mean_gap:.2f} |"
               for muscle in result.muscles for area in muscle.areas]
     for joint in result.joints:
-        fitted = f", fitted with a radius of {joint.axis.radius:.1f} mm, {joint.axis.rms:.2f} mm off (RMS)" if joint.axis.rms == joint.axis.rms else ""
+        fitted = f", fitted with a radius of {joint.axis.radius:.1f} mm, {joint.axis.rms:.2f} mm off (RMS)" if joint.axis.rms is not None else ""
         pairs = "; ".join(f"{pair} by {depth:.1f} mm" for pair, depth in joint.deepest.items())
         lines += ["", f"Joint {joint.name}: {joint.from_deg:g} to {joint.to_deg:g} degrees{fitted}. "
                   f"Bones come deeper into each other than at rest: {pairs or 'nowhere'}."]

@@ -4,19 +4,18 @@ from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from ..program.cli import Problem
-from .anatomy_map import UNITS, AnatomyMap, Found, JointWords, MuscleWords
+from .anatomy_map import UNITS, AnatomyMap, MuscleWords
 from .attaching import Area, areas_near_bones, check_muscle, distances_to, end_of_tendon, moved_out
-from .joint_axis import Axis, articulating_points, fit_cylinder, fit_sphere
+from .found_files import Found
+from .joints import Joint, made_joint
 from .mesh_file import Mended, mend, read_mesh
-from .opensim import opensim_axis
 from .resolution import decimated
-from .scene_files import Joint, MusclePart
+from .scene_files import MusclePart
 from .surface import Points, SignedDistance, Surface, sample_points
 from .tendon import FILLET_MM, Tendon, deepest_in_bones, tendon_path, with_tendon
 from .units import unit_of
@@ -24,7 +23,6 @@ from .units import unit_of
 FARTHEST_END_MM = 15.0  # that a tendon's end is moved onto its bone; it is read off by eye
 REACH_MM = 30.0  # how far distances to bones are looked for
 BESIDE_MM = 15.0  # a bone whose box comes nearer than that may be touched
-ANGLES = 9  # at which a joint is looked at
 
 Say = Callable[[str], None]
 
@@ -69,7 +67,7 @@ def import_anatomy(files: list[Found], anatomy: AnatomyMap, problems: list[str],
     _add_tendons(result, anatomy, say)
     _decimate(result, anatomy.error_mm, say)
     say("fitting joints")
-    result.joints = [_joint(words, result) for words in anatomy.joints]
+    result.joints = [made_joint(words, result.surfaces("bone", "cartilage"), result.surfaces("bone"), unit) for words in anatomy.joints]
     say("finding attachments")
     for name, part in list(parts.items()):
         if part.found.kind == "muscle":
@@ -128,7 +126,7 @@ def _add_tendons(result: Anatomy, anatomy: AnatomyMap, say: Say) -> None:
             continue
         say(f"adding the tendon of {words.name}")
         factor = UNITS[result.unit]
-        at = on_surface(bones[words.tendon.to], words.tendon.at * factor)
+        at = SignedDistance(bones[words.tendon.to]).nearest(words.tendon.at * factor)
         tendon = Tendon(words.tendon.to, at, words.tendon.through * factor, words.tendon.radius)
         try:
             if (moved := float(np.linalg.norm(at - words.tendon.at * factor))) > FARTHEST_END_MM:
@@ -140,15 +138,6 @@ def _add_tendons(result: Anatomy, anatomy: AnatomyMap, say: Say) -> None:
         except Problem as problem:
             result.problems.append(f"{part.found.path}: {problem}")
             del result.parts[words.name]
-
-
-def on_surface(surface: Surface, point: Points) -> Points:
-    """The nearest point of the surface, to rounding."""
-    distance, found = SignedDistance(surface), point[None].copy()
-    for _ in range(4):
-        found -= distance(found)[:, None] * distance.gradients(found)
-    nearest: Points = found[0]
-    return nearest
 
 
 def _decimate(result: Anatomy, error_mm: float, say: Say) -> None:
@@ -174,44 +163,6 @@ def _gap_beside_tendon(muscle: Surface, part: Part, radius: float) -> float:
         to_tendon = cKDTree(part.tendon).query(points, distance_upper_bound=radius + 3 * FILLET_MM)[0]
         gaps.append(float(np.abs(SignedDistance(other)(points[~np.isfinite(to_tendon)])).max()))
     return max(gaps)
-
-
-def _joint(words: JointWords, result: Anatomy) -> Joint:
-    solids = result.surfaces("bone", "cartilage")
-    if words.opensim:
-        direction, centre_m = opensim_axis(Path(words.opensim), words.coordinate)
-        axis = Axis(direction, centre_m * UNITS["m"], float("nan"), float("nan"))
-    elif words.axis is not None and words.centre is not None:
-        axis = Axis(words.axis / np.linalg.norm(words.axis), words.centre * UNITS[result.unit], float("nan"), float("nan"))
-    else:
-        points = articulating_points(solids[words.surface], solids[words.facing] if words.facing else None)
-        if len(points) < 20:
-            raise Problem(f"joint {words.name}: {words.surface} faces {words.facing} nowhere within reach; name another surface, or give axis and centre")
-        assert words.axis_towards is not None
-        axis = (fit_cylinder if words.fit == "cylinder" else fit_sphere)(points, words.axis_towards)
-    joint = Joint(words.name, words.moves, axis, words.from_deg, words.to_deg)
-    joint.deepest = _bones_in_bones(joint, result.surfaces("bone"))
-    return joint
-
-
-def turned(points: Points, axis: Axis, angle_deg: float) -> Points:
-    """About the axis, right-handed."""
-    relative, k, angle = points - axis.centre, axis.direction, np.radians(angle_deg)
-    moved: Points = relative * np.cos(angle) + np.cross(k, relative) * np.sin(angle) + np.outer(relative @ k, k) * (1 - np.cos(angle))
-    return moved + axis.centre
-
-
-def _bones_in_bones(joint: Joint, bones: dict[str, Surface]) -> dict[str, float]:
-    """How much deeper than at rest a moved bone comes into one that stays, over the motion."""
-    fields = {name: SignedDistance(bone) for name, bone in bones.items() if name not in joint.moves}
-    found = {}
-    for name in (one for one in joint.moves if one in bones):
-        for other, distance in fields.items():
-            depths = [float(np.maximum(-distance.within(turned(bones[name].vertices, joint.axis, angle), 1.0), 0).max())
-                      for angle in (0.0, *np.linspace(joint.from_deg, joint.to_deg, ANGLES))]
-            if max(depths) > depths[0]:
-                found[f"{name} in {other}"] = max(depths) - depths[0]
-    return found
 
 
 def _attach(result: Anatomy, anatomy: AnatomyMap, name: str, part: Part) -> None:
@@ -259,7 +210,7 @@ def _bones_beside(result: Anatomy, muscle: Surface, areas: list[Area]) -> list[s
         places = [bone.vertices]
         for joint in result.joints:
             if name in joint.moves:
-                places += [turned(bone.vertices, joint.axis, angle) for angle in np.linspace(joint.from_deg, joint.to_deg, 3)]
+                places += joint.places(bone.vertices, 3)
         if name in attached or (is_solid and any(bool(np.all((place > low) & (place < high), axis=1).any()) for place in places)):
             found.append(name)
     return found

@@ -16,8 +16,8 @@ FACING_MM = 6.0  # a point of the surface articulates where the other one is as 
 class Axis:
     direction: Points  # (3,) unit length
     centre: Points  # (3,)
-    radius: float
-    rms: float  # distance of the surface's points from the fitted shape
+    radius: float | None = None  # of the fitted shape, where it was fitted
+    rms: float | None = None  # distance of the surface's points from it
 
 
 def articulating_points(surface: Surface, facing: Surface | None) -> Points:

@@ -1,30 +1,17 @@
 """Scenes as TOML files, and the places where muscles are attached."""
 
 import json
-from dataclasses import dataclass, field
-from pathlib import Path
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from .anatomy_map import AnatomyMap
 from .attaching import Area
-from .joint_axis import Axis
+from .joints import Joint
 from .surface import Points, Surface
 
 AREAS_FILE = "attachments.json"
-
-
-@dataclass
-class Joint:
-    """In millimetres."""
-
-    name: str
-    moves: list[str]
-    axis: Axis
-    from_deg: float
-    to_deg: float
-    deepest: dict[str, float] = field(default_factory=dict)  # {two bones: how deep they are in each other at most, mm}
 
 
 @dataclass
@@ -76,12 +63,6 @@ def areas_json(muscles: list[MusclePart]) -> str:
     entries = [{"muscle": muscle.name, "role": area.role, "part": area.bone,
                 "points_m": np.round(muscle.surface.vertices[area.nodes] / 1000, 7).tolist()} for muscle in muscles for area in muscle.areas]
     return json.dumps({"attachments": entries}) + "\n"
-
-
-def write_mesh(path: Path, surface: Surface, comments: tuple[str, ...]) -> None:
-    """In metres."""
-    from ..lhdl.write_ply import write_ply
-    write_ply(path, surface.vertices / 1000, surface.triangles.astype(np.int32), comments)
 
 
 def _quoted(text: str) -> str:

@@ -101,6 +101,14 @@ class SignedDistance:
             found[i] = gradient
         return found
 
+    def nearest(self, point: Points) -> Points:
+        """The nearest point of the surface, to rounding."""
+        found = point[None].copy()
+        for _ in range(4):
+            found -= self(found)[:, None] * self.gradients(found)
+        nearest: Points = found[0]
+        return nearest
+
 
 def sample_points(surface: Surface) -> Points:
     """Vertices, middles of edges and of triangles: where one surface is compared with another."""

@@ -4,8 +4,6 @@ import itertools
 import json
 import math
 import re
-import shutil
-import tempfile
 from collections.abc import Iterable, Sequence
 from csv import QUOTE_NONNUMERIC
 from dataclasses import dataclass, field
@@ -19,6 +17,7 @@ from ..accuracy.front import EXACT_MM
 from ..page.bundle import BOARD, SHAPES, SOURCES, page_script
 from ..page.html import template_engine
 from ..program.cli import Problem
+from ..program.whole_folder import whole_folder
 from ..tables.difficulties import TITLES
 from .bundle import Bundle, Told
 from .columns import FLAGS
@@ -92,27 +91,14 @@ COLUMNS = [
 def write_site(bundles: Sequence[Bundle], hard: Sequence[HardCase], out: Path, recomputed: Sequence[pd.DataFrame] = (), commit: str = "") -> pd.DataFrame:
     """The rows of the board. `recomputed`, `commit`: see standing. Into a new folder, or in place of an older board, which goes when
     the new one is whole. Raises Problem where `out` is something else, or where the scripts can't be made."""
-    out = out.resolve()
-    if out.exists() and (strange := _strange_files(out)):
-        raise Problem(f"--out {out}: is there already and is no board ({strange} is none of its files); name a new folder")
     rows = board_rows(bundles, recomputed, commit)
     scripts = {name: page_script(entry=name) for name in (BOARD, SHAPES)}
-    out.parent.mkdir(parents=True, exist_ok=True)
-    folder = Path(tempfile.mkdtemp(prefix=f".{out.name}.", dir=out.parent))
-    try:
+    with whole_folder(out, MARK, "board") as folder:
         _write(folder, rows, bundles, hard, scripts)
         size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file())
         if size > LARGEST_BYTES:
             largest = max(bundles, key=lambda bundle: len(json.dumps(bundle.shapes or {})) + len(bundle.rows))
             raise Problem(f"the board would have {size / 1e6:.1f} MB, more than {LARGEST_BYTES / 1e6:g}; leave out bundles, such as {largest.source}")
-        folder.chmod(0o755)
-        old = folder.with_name(f"{folder.name}.old")
-        if out.exists():
-            out.rename(old)
-        folder.rename(out)
-        shutil.rmtree(old, ignore_errors=True)
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
     return rows
 
 
@@ -129,19 +115,6 @@ def _write(folder: Path, rows: pd.DataFrame, bundles: Sequence[Bundle], hard: Se
     for name, script in scripts.items():
         (folder / name).write_text(script, encoding="utf-8")
     (folder / ROWS).write_text(csv, encoding="utf-8")
-    files = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
-    (folder / MARK).write_text(json.dumps({"musclebench_board": 1, "files": [*files, MARK]}, indent=1) + "\n", encoding="utf-8")
-
-
-def _strange_files(folder: Path) -> str:
-    """The first that no board has written; empty where all of the folder is a board's."""
-    try:
-        told = json.loads((folder / MARK).read_text(encoding="utf-8"))
-        own = set(told["files"]) if told["musclebench_board"] == 1 else set()
-    except (OSError, ValueError, TypeError, KeyError):
-        own = set()
-    found = [str(path.relative_to(folder)) for path in sorted(folder.rglob("*")) if not path.is_dir()] if folder.is_dir() else [folder.name]
-    return next((name for name in found if name not in own), "" if own else "an empty folder")
 
 
 def _pages(rows: pd.DataFrame, bundles: Sequence[Bundle], hard: Sequence[HardCase], csv: str) -> list[Page]:

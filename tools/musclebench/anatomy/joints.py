@@ -1,0 +1,63 @@
+"""Joints: which bones turn about which axis, and how deep bones come into each other then."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ..program.cli import Problem
+from .anatomy_map import UNITS, JointWords
+from .joint_axis import Axis, articulating_points, fit_cylinder, fit_sphere
+from .opensim import opensim_axis
+from .surface import Points, SignedDistance, Surface
+
+FEWEST_POINTS = 20  # that a shape is fitted to
+ANGLES = 9  # at which a joint is looked at
+
+
+@dataclass
+class Joint:
+    """In millimetres."""
+
+    name: str
+    moves: list[str]
+    axis: Axis
+    from_deg: float
+    to_deg: float
+    deepest: dict[str, float] = field(default_factory=dict)  # {two bones: how much deeper than at rest they are in each other at most}
+
+    def places(self, points: Points, count: int) -> list[Points]:
+        """Of points of a moved bone, at angles over the range."""
+        return [turned(points, self.axis, angle) for angle in np.linspace(self.from_deg, self.to_deg, count)]
+
+
+def made_joint(words: JointWords, solids: dict[str, Surface], bones: dict[str, Surface], unit: str) -> Joint:
+    """`solids`: bones and cartilage. Raises Problem."""
+    joint = Joint(words.name, words.moves, _axis(words, solids, unit), words.from_deg, words.to_deg)
+    fields = {name: SignedDistance(bone) for name, bone in bones.items() if name not in joint.moves}
+    for name in (one for one in joint.moves if one in bones):
+        for other, distance in fields.items():
+            depths = [float(np.maximum(-distance.within(place, 1.0), 0).max()) for place in (bones[name].vertices, *joint.places(bones[name].vertices, ANGLES))]
+            if max(depths) > depths[0]:
+                joint.deepest[f"{name} in {other}"] = max(depths) - depths[0]
+    return joint
+
+
+def turned(points: Points, axis: Axis, angle_deg: float) -> Points:
+    """About the axis, right-handed."""
+    relative, k, angle = points - axis.centre, axis.direction, np.radians(angle_deg)
+    moved: Points = relative * np.cos(angle) + np.cross(k, relative) * np.sin(angle) + np.outer(relative @ k, k) * (1 - np.cos(angle))
+    return moved + axis.centre
+
+
+def _axis(words: JointWords, solids: dict[str, Surface], unit: str) -> Axis:
+    if words.opensim:
+        direction, centre_m = opensim_axis(Path(words.opensim), words.coordinate)
+        return Axis(direction, centre_m * UNITS["m"])
+    if words.axis is not None and words.centre is not None:
+        return Axis(words.axis / np.linalg.norm(words.axis), words.centre * UNITS[unit])
+    points = articulating_points(solids[words.surface], solids[words.facing] if words.facing else None)
+    if len(points) < FEWEST_POINTS:
+        raise Problem(f"joint {words.name}: {words.surface} faces {words.facing} nowhere within reach; name another surface, or give axis and centre")
+    assert words.axis_towards is not None
+    return (fit_cylinder if words.fit == "cylinder" else fit_sphere)(points, words.axis_towards)
