@@ -207,15 +207,6 @@ std::size_t CrossingMeter::pair_of(std::size_t muscle, std::size_t other) const 
   return before + bones + (other == muscle ? bodies - muscle - 1 : other - muscle - 1);
 }
 
-std::size_t CrossingMeter::bytes() const {
-  std::size_t sum = m_triangles.capacity() * sizeof(Triangle) + m_carriers.capacity() * sizeof(int) +
-                    m_rest.capacity() * sizeof(Vec3) + m_crosses_itself.capacity();
-  for (const TriangleMesh& bone : m_bones) {
-    sum += bone.vertices.capacity() * sizeof(Vec3) + bone.triangles.capacity() * sizeof(Triangle);
-  }
-  return sum;
-}
-
 std::vector<SharedFaces> shared_faces(const TriangleMesh& muscles, std::span<const Body> bodies) {
   using Face = std::array<std::array<double, 3>, 3>;
   std::vector<std::set<Face>> faces;

@@ -81,8 +81,6 @@ class CrossingMeter {
   /// Of the last call, in the unit of RefereeTree.
   [[nodiscard]] long last_work() const { return m_work; }
 
-  [[nodiscard]] std::size_t bytes() const;
-
  private:
   /// A triangle that counts in a pair.
   struct Passing {
