@@ -14,7 +14,7 @@ import pytest
 import vtk
 from scipy.spatial import cKDTree
 
-from musclebench.anatomy import units
+from musclebench.anatomy import attaching, units
 from musclebench.anatomy.anatomy_map import read_map
 from musclebench.anatomy.attaching import Area, areas_near_bones, distances_to, moved_out
 from musclebench.anatomy.found_files import find_files
@@ -403,12 +403,16 @@ def test_only_an_import_is_replaced(tmp_path):
         pass
 
 
-def test_free_nodes_are_moved_out_of_bones():
+def test_free_nodes_are_moved_out_of_bones(monkeypatch):
     muscle, bone = spindle(), ball(20, (24, 0, 50), 60)
     areas = [Area("bone", "origin", np.arange(5), 0.0)]
-    out, count, farthest = moved_out(muscle, {"bone": bone}, areas)
+    out, told = moved_out(muscle, {"bone": bone}, areas)
     inside = np.linalg.norm(muscle.vertices - [24, 0, 50], axis=1) < 20
+    count, farthest = map(float, re.fullmatch(r"(\d+) free nodes moved out of bones, by up to ([\d.]+) mm", *told).groups())
     assert count >= np.count_nonzero(inside) > 5 and 3.5 < farthest < 4.5
+    monkeypatch.setattr(attaching, "PUSHES", 1)  # out of one bone into the other
+    _, crowded = moved_out(muscle, {"bone": bone, "other": ball(20, (-12, 0, 50), 60)}, areas)
+    assert crowded[-1].endswith("free nodes stay in bones")
     assert (np.linalg.norm(out.vertices - [24, 0, 50], axis=1) > 20).all() and (out.vertices[:5] == muscle.vertices[:5]).all()
 
 

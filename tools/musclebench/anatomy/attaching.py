@@ -89,8 +89,9 @@ def end_of_tendon(muscle: Surface, bone: str, distance: Values, end: Points, rad
     return Area(bone, "insertion", nodes, float(np.maximum(distance[nodes], 0).mean()) if len(nodes) else np.inf)
 
 
-def moved_out(muscle: Surface, bones: dict[str, Surface], areas: list[Area]) -> tuple[Surface, int, float]:
-    """With the nodes that nothing holds moved out of bones; how many they are, and how far the farthest moved. In millimetres."""
+def moved_out(muscle: Surface, bones: dict[str, Surface], areas: list[Area]) -> tuple[Surface, list[str]]:
+    """With the nodes that nothing holds moved out of bones; in words, how many they are and how far they moved, and whether some are
+    still inside: between two bones there may be no room."""
     fields = [SignedDistance(bone) for bone in bones.values()]
     is_free = np.ones(len(muscle.vertices), dtype=bool)
     for area in areas:
@@ -103,7 +104,9 @@ def moved_out(muscle: Surface, bones: dict[str, Surface], areas: list[Area]) -> 
             if len(deep):
                 vertices[deep] += lacking[deep, None] * field.gradients(vertices[deep])
     moves = np.linalg.norm(vertices - muscle.vertices, axis=1)
-    return Surface(vertices, muscle.triangles), int(np.count_nonzero(moves > 0)), float(moves.max())
+    told = [f"{np.count_nonzero(moves)} free nodes moved out of bones, by up to {moves.max():.2f} mm"] if moves.any() else []
+    inside = is_free & (np.min([field.within(vertices, 0.0) for field in fields], axis=0) < 0) if fields else is_free & False
+    return Surface(vertices, muscle.triangles), told + ([f"{np.count_nonzero(inside)} free nodes stay in bones"] if inside.any() else [])
 
 
 def check_muscle(name: str, muscle: Surface, distances: dict[str, Values], areas: list[Area], near: float) -> None:

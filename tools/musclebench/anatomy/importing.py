@@ -177,9 +177,8 @@ def _attach(result: Anatomy, anatomy: AnatomyMap, name: str, part: Part) -> None
         result.problems.append(f"{part.found.path}: {problem}")
         del result.parts[name]
         return
-    part.surface, count, farthest = moved_out(part.surface, bones, areas)
-    if count:
-        part.repairs.append(f"{count} free nodes moved out of bones, by up to {farthest:.2f} mm")
+    part.surface, told = moved_out(part.surface, bones, areas)
+    part.repairs += told
     result.muscles.append(MusclePart(name, part.surface, areas, _bones_beside(result, part.surface, areas)))
 
 
