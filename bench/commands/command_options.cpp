@@ -21,9 +21,9 @@ void add_scene_options(CLI::App& command, SceneOptions& options) {
       ->required();
   command.add_option("--preset", options.choice.preset, "Loop and effects: paper or standard (default: the scene's)");
   command.add_option("--loop", options.loop, "Loop parameter key=value; overrides scene and preset; may be repeated");
-  command.add_option(
-      "--motion", options.motion,
-      "Motion of the turning bones: from_deg=, to_deg= or course=there|there_and_back|rest_first; overrides the scene");
+  command.add_option("--motion", options.motion,
+                     "Motion of the turning bones: from_deg=, to_deg= or "
+                     "course=there|there_and_back|rest_first|rest_to_rest; overrides the scene");
   command.add_option("--meshes", options.meshes,
                      "Finer meshes: split_muscles=TIMES or smooth_bones=TIMES; overrides the scene; may be repeated");
   command.add_option("--data", options.choice.data, "Folder of the anatomical data (default: $MUSCLEBENCH_DATA)");

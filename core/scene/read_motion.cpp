@@ -30,7 +30,23 @@ Vec3 read_axis(const TomlTable& table) {
   return axis.normalized();
 }
 
-std::vector<std::string> course_words() { return {"there_and_back", "there", "rest_first"}; }
+std::vector<std::string> course_words() { return {"there_and_back", "there", "rest_first", "rest_to_rest"}; }
+
+/// From rest through the angles at one speed, and back to rest where it `returns`. Nothing turns: stays as it is.
+void go_from_rest(BoneRotation& motion, bool returns) {
+  std::vector<double> stops_rad = {0};
+  const auto go_to = [&](double angle_rad) {
+    if (angle_rad != stops_rad.back()) stops_rad.push_back(angle_rad);
+  };
+  for (const double angle_rad : motion.angles_rad) go_to(angle_rad);
+  if (returns) go_to(0);
+  if (stops_rad.size() == 1) return;
+  motion.angles_rad = stops_rad;
+  motion.times = {0};
+  for (std::size_t i = 1; i < stops_rad.size(); ++i) {
+    motion.times.push_back(motion.times.back() + std::abs(stops_rad[i] - stops_rad[i - 1]));
+  }
+}
 
 BoneRotation read_rotation(const SceneRequest& request, const TomlTable& table) {
   table.allow_only({"axis", "centre_m", "from_deg", "to_deg", "course", "table", "column", "relative_to_first_row"});
@@ -49,6 +65,7 @@ BoneRotation read_rotation(const SceneRequest& request, const TomlTable& table) 
     throw InputError(table.location("course"), fmt::format("'{}' is not one of {}", course, fmt::join(courses, ", ")));
   }
   motion.there_and_back = course == "there_and_back";
+  const bool starts_at_rest = course == "rest_first" || course == "rest_to_rest";
   if (table.has("table")) {
     if (changed.given("from_deg") || changed.given("to_deg")) {
       throw InputError("--motion",
@@ -56,11 +73,10 @@ BoneRotation read_rotation(const SceneRequest& request, const TomlTable& table) 
                                    "them out",
                                    table.location()));
     }
-    if (course == "rest_first") {
+    if (starts_at_rest) {
       throw InputError(changed.given("course") ? "--motion" : table.location("course"),
-                       fmt::format("rest_first goes to from_deg first, and {} has a table of angles; put rest into the "
-                                   "table",
-                                   table.location()));
+                       fmt::format("{} goes to from_deg first, and {} has a table of angles; put rest into the table",
+                                   course, table.location()));
     }
     if (table.has("from_deg") || table.has("to_deg")) {
       throw InputError(table.location("table"), "contradicts from_deg and to_deg; give either a table or two angles");
@@ -80,16 +96,7 @@ BoneRotation read_rotation(const SceneRequest& request, const TomlTable& table) 
     };
     motion.times = {0, 1};
     motion.angles_rad = {angle_rad("from_deg"), angle_rad("to_deg")};
-    if (course == "rest_first" && motion.angles_rad[0] != 0) {
-      const double first_rad = std::abs(motion.angles_rad[0]);
-      const double second_rad = std::abs(motion.angles_rad[1] - motion.angles_rad[0]);
-      motion.times = {0, first_rad, first_rad + second_rad};
-      motion.angles_rad.insert(motion.angles_rad.begin(), 0.0);
-      if (second_rad == 0) {  // there is no time in which to stand still
-        motion.times.pop_back();
-        motion.angles_rad.pop_back();
-      }
-    }
+    if (starts_at_rest) go_from_rest(motion, course == "rest_to_rest");
   }
   return motion;
 }
@@ -110,7 +117,7 @@ std::vector<ParameterSpec> motion_parameters() {
               {.name = "course",
                .choices = course_words(),
                .help = "there: ends at to_deg; there_and_back: returns; rest_first: from rest to from_deg, then to "
-                       "to_deg, at one speed"})};
+                       "to_deg, at one speed; rest_to_rest: the same, and back to rest"})};
 }
 
 BoneMotion read_motion(const SceneRequest& request, const TomlTable& bone) {

@@ -172,11 +172,10 @@ TEST(ReadScene, EachRotationCarriesTheAxesOfThoseAfterIt) {
 }
 
 TEST(ReadScene, AMotionMayGoToItsFirstAngleFromRest) {
-  const auto angles_deg = [](const std::string& from, const std::string& to) {
-    const Scene scene = read_scene(request_of(
-        "[loop]\nframes = 12\n" + std::string(box_without_motion) +
-        "[bone.motion]\ncentre_m = [0, 0, 0]\naxis = [0, 0, 1]\ncourse = \"rest_first\"\nfrom_deg = " + from +
-        "\nto_deg = " + to + "\n" + ball));
+  const auto angles_deg = [](const std::string& from, const std::string& to, const std::string& course = "rest_first") {
+    const Scene scene = read_scene(request_of("[loop]\nframes = 12\n" + std::string(box_without_motion) +
+                                              "[bone.motion]\ncentre_m = [0, 0, 0]\naxis = [0, 0, 1]\ncourse = \"" +
+                                              course + "\"\nfrom_deg = " + from + "\nto_deg = " + to + "\n" + ball));
     std::vector<double> angles;
     for (const int frame : {0, 1, 2, 4, 12}) angles.push_back(scene.angle_rad(frame) * degrees_per_radian);
     return angles;
@@ -187,6 +186,9 @@ TEST(ReadScene, AMotionMayGoToItsFirstAngleFromRest) {
   expect_near(angles_deg("-20", "80"), {0, -10, -20, 0, 80});
   expect_near(angles_deg("0", "60"), {0, 5, 10, 20, 60});
   expect_near(angles_deg("30", "30"), {0, 2.5, 5, 10, 30});
+  expect_near(angles_deg("-20", "40", "rest_to_rest"), {0, -10, -20, 0, 0});
+  expect_near(angles_deg("0", "60", "rest_to_rest"), {0, 10, 20, 40, 0});
+  expect_near(angles_deg("0", "0", "rest_to_rest"), {0, 0, 0, 0, 0});
   expect_one_line(error_of(std::string(box_without_motion) +
                            "[bone.motion]\ncentre_m = [0, 0, 0]\naxis = [0, 0, 1]\ncourse = \"rest_first\"\n"
                            "table = \"no.mot\"\ncolumn = \"hip\"\n" +
