@@ -17,7 +17,7 @@ from .mesh_file import Mended, mend, read_mesh
 from .resolution import decimated
 from .scene_files import MusclePart
 from .surface import Points, SignedDistance, Surface, sample_points
-from .tendon import FILLET_MM, Tendon, deepest_in_bones, tendon_path, with_tendon
+from .tendon import Tendon, deepest_in_bones, reach_of_tendon, tendon_path, with_tendon
 from .units import unit_of
 
 FARTHEST_END_MM = 15.0  # that a tendon's end is moved onto its bone; it is read off by eye
@@ -160,7 +160,7 @@ def _gap_beside_tendon(muscle: Surface, part: Part, radius: float) -> float:
     assert part.tendon is not None
     gaps = []
     for points, other in ((sample_points(muscle), part.surface), (sample_points(part.surface), muscle)):
-        to_tendon = cKDTree(part.tendon).query(points, distance_upper_bound=radius + 3 * FILLET_MM)[0]
+        to_tendon = cKDTree(part.tendon).query(points, distance_upper_bound=reach_of_tendon(radius) + 1.0)[0]
         gaps.append(float(np.abs(SignedDistance(other)(points[~np.isfinite(to_tendon)])).max()))
     return max(gaps)
 

@@ -11,6 +11,7 @@ from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
 from ..program.cli import Problem
 from .mesh_file import mend
+from .sewing import Unsewable, clipped, sew, without_bays, without_bumps
 from .surface import Points, SignedDistance, Surface, Values, as_vtk, from_vtk
 
 CELL_MM = 0.8
@@ -20,6 +21,8 @@ GAP_MM = 0.5  # between tendon and bone
 ROUNDS = 300
 PUSHES = 20
 FILLET_MM = 4.0  # how far tube and muscle are blended
+SEAM_MM = 1.0  # its width, between what is drawn anew and the muscle's own triangles
+SEAMS_MM = (0.0, 1.0, 2.0, 3.0, 4.0)  # how far beyond the blend it may be; the first that has as many loops on both sides
 BAND_CELLS = 2.5
 
 
@@ -63,26 +66,50 @@ def deepest_in_bones(path: Points, tendon: Tendon, bones: dict[str, Surface]) ->
 
 
 def with_tendon(muscle: Surface, path: Points, radius: float) -> Surface:
-    """The muscle and a tube of `radius` around `path`, blended into each other. Raises Problem where they do not meet."""
-    low = np.minimum(muscle.vertices.min(axis=0), path.min(axis=0) - radius) - 4 * CELL_MM
-    high = np.maximum(muscle.vertices.max(axis=0), path.max(axis=0) + radius) + 4 * CELL_MM
-    shape = np.ceil((high - low) / CELL_MM).astype(int) + 1
+    """The muscle and a tube of `radius` around `path`, blended into each other; beyond `reach_of_tendon` the muscle's own triangles.
+    Raises Problem where the two do not meet."""
+    margin = radius + FILLET_MM + SEAMS_MM[-1] + 4 * CELL_MM
+    low = path.min(axis=0) - margin
+    shape = np.ceil((path.max(axis=0) + margin - low) / CELL_MM).astype(int) + 1
     in_muscle = _sampled(muscle, low, shape)
     tube = _tube(path, radius, low, shape)
     # Smooth minimum of two distances, by a cubic polynomial of their difference.
     blend = np.maximum(FILLET_MM - np.abs(in_muscle - tube), 0.0) / FILLET_MM
-    united = np.minimum(in_muscle, tube) - blend**3 * FILLET_MM / 6
-    mended = mend(_contour(united, low), "muscle and tendon").surface
-    mended.vertices = _on_muscle(mended.vertices, muscle, path, radius)
-    if mended.volume < muscle.volume:
-        raise Problem("muscle and tendon do not meet; let `through` begin at the muscle's end")
-    return mended
+    united = _contour(np.minimum(in_muscle, tube) - blend**3 * FILLET_MM / 6, low)
+    united.vertices = _on_muscle(united.vertices, muscle, path, radius + 0.9 * FILLET_MM)
+    for seam in SEAMS_MM[:-1]:
+        try:
+            return mend(_sewn(muscle, united, path, radius + FILLET_MM + seam), "muscle and tendon").surface
+        except Unsewable:
+            pass
+    raise Problem("muscle and tendon do not meet in one closed surface; let `through` begin at the muscle's end")
 
 
-def _on_muscle(vertices: Points, muscle: Surface, path: Points, radius: float) -> Points:
-    """The grid has cut corners: where there is no tendon, vertices go back to the muscle's surface."""
-    reached = cKDTree(path).query(vertices, distance_upper_bound=radius + 2 * FILLET_MM)[0]
-    away = np.flatnonzero(~np.isfinite(reached))
+def _sewn(muscle: Surface, united: Surface, path: Points, reach: float) -> Surface:
+    """What comes to one side of the seam without crossing it stays whole."""
+    far = reach + SEAM_MM
+    of_muscle = without_bays(muscle, _to_path(muscle.vertices, path), reach, far)
+    of_united = without_bumps(united, _to_path(united.vertices, path), reach, far)
+    return sew(clipped(muscle, of_muscle, far, False), clipped(united, of_united, reach, True))
+
+
+def reach_of_tendon(radius: float) -> float:
+    """How far from its path the surface is another than the muscle's."""
+    return radius + FILLET_MM + SEAMS_MM[-1]
+
+
+def _to_path(points: Points, path: Points) -> Values:
+    found: Values = cKDTree(_dense(path)).query(points)[0]
+    return found
+
+
+def _dense(path: Points) -> Points:
+    return np.concatenate([start + np.linspace(0, 1, 16, endpoint=False)[:, None] * (end - start) for start, end in zip(path[:-1], path[1:])] + [path[-1:]])
+
+
+def _on_muscle(vertices: Points, muscle: Surface, path: Points, reach: float) -> Points:
+    """The grid has cut corners: what is farther from the path goes back to the muscle's surface."""
+    away = np.flatnonzero(_to_path(vertices, path) > reach)
     distance = SignedDistance(muscle)
     moved = vertices.copy()
     moved[away] -= distance(vertices[away])[:, None] * distance.gradients(vertices[away])
@@ -151,7 +178,7 @@ def _sampled(surface: Surface, low: Points, shape: NDArray[np.int_]) -> Values:
 
 def _tube(path: Points, radius: float, low: Points, shape: NDArray[np.int_]) -> Values:
     """Distance to a tube; where it is farther than the blend reaches, only that it is."""
-    dense = np.concatenate([start + np.linspace(0, 1, 16, endpoint=False)[:, None] * (end - start) for start, end in zip(path[:-1], path[1:])] + [path[-1:]])
+    dense = _dense(path)
     reach = radius + 2 * FILLET_MM
     found: Values = np.full(shape, reach - radius)
     first = np.maximum(np.floor((dense.min(axis=0) - reach - low) / CELL_MM).astype(int), 0)
@@ -174,4 +201,5 @@ def _contour(values: Values, low: Points) -> Surface:
     contour.SetValue(0, 0.0)
     contour.ComputeNormalsOff()
     contour.Update()
-    return from_vtk(contour.GetOutput())
+    found = from_vtk(contour.GetOutput())
+    return Surface(found.vertices, found.triangles[:, ::-1])  # outward: VTK's face where values fall
