@@ -162,7 +162,8 @@ std::string resolved_scene_text(const SceneRequest& request, const Scene& scene)
   if (scene.wanted.is_given) text << "\n[wanted]\n";
   for (const auto& [key, value] : scene.wanted.own_values) text << fmt::format("{} = {}\n", key, toml_text_of(value));
   for (const SceneEffect& effect : scene.effects) text << effect_text(scene, effect);
-  for (const char* key : {"time_step_change", "contact", "bone", "muscle", "attachment", "pair"})
+  for (const char* key :
+       {"source", "time_step_change", "contact", "bone", "muscle", "attachment", "retinaculum", "pair"})
     text << tables_text(root, key);
   text << pair_texts(scene);
   return text.str();
