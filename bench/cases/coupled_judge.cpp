@@ -160,6 +160,7 @@ CoupledJudge::CoupledJudge(const Scene& scene, std::span<const BoundNode> bound_
       m_thin_bones(scene, carriers_of(scene, bound_nodes)),
       m_tunnelling(static_cast<int>(scene.bones.size()), static_cast<int>(scene.muscle_mesh.vertices.size())),
       m_stretch(scene.muscle_mesh),
+      m_rings(scene.retinacula, scene.muscle_mesh),
       m_all_bodies(scene.bodies()),
       m_smallest_diagonal_m(smallest_diagonal_m(scene)),
       m_declared_missed_m(std::move(declared_missed_m)),
@@ -225,6 +226,7 @@ void CoupledJudge::judge(const Simulation& simulation, const LastDetection& dete
   }
   judge_crossings(simulation, crossings, record);
   record.edge_stretch = m_stretch.measure(positions);
+  record.ring_escape = m_rings.measure(positions, poses);
   record.judged = true;
 }
 

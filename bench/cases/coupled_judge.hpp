@@ -13,6 +13,7 @@
 #include "core/measure/edge_stretch.hpp"
 #include "core/measure/outcome.hpp"
 #include "core/measure/passing_tracker.hpp"
+#include "core/measure/ring_meter.hpp"
 #include "core/measure/step_record.hpp"
 #include "core/measure/surface_depth.hpp"
 #include "core/measure/tunnelling_tracker.hpp"
@@ -118,6 +119,7 @@ class CoupledJudge {
   ThinBones m_thin_bones;
   TunnellingTracker m_tunnelling;
   EdgeStretchMeter m_stretch;
+  RingMeter m_rings;
   std::vector<Body> m_bodies;  // where there are several
   std::vector<EdgeStretchMeter> m_stretch_of_bodies;
   DepthHistogram m_contact_depths;

@@ -155,6 +155,7 @@ class CaseRunner {
       rest.touching.push_back(std::minmax(pair.muscles.first, pair.muscles.second));
     }
     for (const SceneEffect& effect : m_scene.effects) rest.effects.push_back(effect.name);
+    for (const Retinaculum& ring : m_scene.retinacula) rest.rings.push_back(ring.name);
     rest.backend = m_run.backend.name;
   }
 

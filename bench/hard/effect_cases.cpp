@@ -198,21 +198,6 @@ HardFigure region_figure(const MovedScene& run) {
   return {"volume error of a region", largest_region_error(run, regions_of_tubes), 0.01};
 }
 
-/// What bound nodes leave of where their bones carry them, over the diagonal.
-HardFigure bound_figure(const MovedScene& run) {
-  double largest_m = 0;
-  for (const Snapshot& shape : run.result.snapshots) {
-    for (const BoundNode& bound : run.result.bound_nodes) {
-      const auto node = static_cast<std::size_t>(bound.node);
-      const Vec3 carried =
-          shape.bone_poses[static_cast<std::size_t>(bound.bone)].apply(run.scene.muscle_mesh.vertices[node]);
-      largest_m = std::max(largest_m, (shape.positions[node] - carried).norm());
-    }
-  }
-  return {"drift of a bound node in its bone, over the diagonal",
-          run.result.bound_nodes.empty() ? 1 : largest_m / run.diagonal_m(), 1e-12};
-}
-
 HardCell squeeze(const HardRequest& request) {
   return watched_runs(request, true, [&](RunFigures& figures) {
     Scene scene = load({"hard/squeezed_in_turn"});
@@ -256,68 +241,6 @@ HardCell isometric_and_shortening(const HardRequest& request) {
                       std::abs(radius * std::sqrt(1 - shortening) - 1), 0.01},
                      region_figure(run),
                      volume_figure(run),
-                     bound_figure(run)});
-  });
-}
-
-/// The tube of effects/fibre_force at the end: from the middles of slices of 5 mm.
-struct TautTube {
-  double off_axis_m = 0;  ///< the farthest from the line between its ends
-  double uneven_m = 0;    ///< along it, from where an even shortening takes it
-};
-
-TautTube taut_tube(const MovedScene& run, double shortened_m) {
-  struct Slice {
-    Vec3 sum_m = Vec3::Zero();
-    int nodes = 0;
-  };
-  std::map<int, Slice> slices;
-  TautTube found;
-  const std::vector<Vec3>& rest = run.positions(0);
-  const std::vector<Vec3>& end = run.result.snapshots.back().positions;
-  for (std::size_t i = 0; i < rest.size(); ++i) {
-    auto& [sum_m, nodes] = slices[static_cast<int>(std::lround(rest[i].x() / 0.005))];
-    sum_m += end[i];
-    ++nodes;
-  }
-  for (const auto& [slice, of] : slices) {
-    const Vec3 middle = of.sum_m / of.nodes;
-    found.off_axis_m = std::max(found.off_axis_m, std::hypot(middle.y(), middle.z() - 0.01));
-    const double rest_x_m = 0.005 * slice;
-    if (std::abs(rest_x_m) > 0.04) continue;  // near the ends bones carry a part of a slice
-    const double even_x_m = rest_x_m - shortened_m * (0.5 + rest_x_m / 0.1);
-    found.uneven_m = std::max(found.uneven_m, std::abs(middle.x() - even_x_m));
-  }
-  return found;
-}
-
-constexpr double tube_shortening_m = 0.02;
-
-HardCell taut(const HardRequest& request) {
-  return watched_runs(request, false, MayRefuse::nobody, [&](RunFigures& figures) {
-    const MovedScene run = moved(request, load({"effects/fibre_force"}));
-    figures.add_run(run, "",
-                    {{"middle of a slice, off the line between the ends, over the diagonal",
-                      taut_tube(run, tube_shortening_m).off_axis_m / run.diagonal_m(), 0.005},
-                     bound_figure(run)});
-  });
-}
-
-HardCell full_pull(const HardRequest& request) {
-  return watched_runs(request, false, MayRefuse::nobody, [&](RunFigures& figures) {
-    const MovedScene run = moved(request, load({"effects/fibre_force",
-                                                {{"start_noise_m", 2e-4},
-                                                 {"frames", std::int64_t{20}},
-                                                 {"rest_frames", std::int64_t{4}},
-                                                 {"substeps", std::int64_t{400}},
-                                                 {"time_step_s", 5e-5}},
-                                                {{"fibre_force", {{"level", 1.0}, {"rise_s", 0.1}}}}}));
-    const TautTube tube = taut_tube(run, tube_shortening_m);
-    figures.add_run(run, "",
-                    {{"middle of a slice, off the line between the ends, over the diagonal",
-                      tube.off_axis_m / run.diagonal_m(), 0.005},
-                     {"middle of a slice, off where an even shortening takes it, over the diagonal",
-                      tube.uneven_m / run.diagonal_m(), 0.01},
                      bound_figure(run)});
   });
 }
@@ -453,26 +376,6 @@ constexpr std::array cases_of_effects = {
              .left_out_because = depth_says_it,
              .effects = "activation local_volume contact attachment",
              .run = activation_stop},
-    HardCase{
-        .id = "taut",
-        .what =
-            "The ends of a muscle come closer by a fifth, and its fibres pull with a twentieth of their peak stress.",
-        .why = "A slack muscle folds up where its ends come closer.",
-        .bar = "its middle line straight within 0.5 % of the diagonal",
-        .scene = "effects/fibre_force",
-        .effects = "fibre_force attachment",
-        .asks_backend = false,
-        .run = taut},
-    HardCase{
-        .id = "full-pull",
-        .what = "The same from nodes displaced by 0.2 mm at random, fully active.",
-        .why = "Nothing but their stiffness decides between parts of one fibre that pull alike: some run together.",
-        .bar = "its middle line straight within 0.5 % of the diagonal; each slice within 1 % of it where an even "
-               "shortening takes it",
-        .scene = "effects/fibre_force",
-        .effects = "fibre_force attachment",
-        .asks_backend = false,
-        .run = full_pull},
     HardCase{.id = "refinement",
              .what = "A rod presses a tube, whose mesh has 1, 4 (and in the long run 16) times the triangles.",
              .why = "A compliance per edge makes another muscle of a finer mesh (review 11).",

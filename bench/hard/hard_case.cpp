@@ -56,7 +56,7 @@ std::vector<HardCase> hard_cases() {
   std::vector<HardCase> all;
   for (const std::span<const HardCase> part :
        {point_cases(), input_cases(), motion_cases(), course_cases(), loop_cases(), limit_cases(), anatomy_cases(),
-        load_cases(), muscle_load_cases(), passage_cases(), effect_cases()}) {
+        load_cases(), muscle_load_cases(), passage_cases(), effect_cases(), tendon_cases()}) {
     all.insert(all.end(), part.begin(), part.end());
   }
   return all;

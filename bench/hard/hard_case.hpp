@@ -101,5 +101,6 @@ std::span<const HardCase> load_cases();
 std::span<const HardCase> muscle_load_cases();
 std::span<const HardCase> passage_cases();
 std::span<const HardCase> effect_cases();
+std::span<const HardCase> tendon_cases();
 
 }  // namespace musclebench

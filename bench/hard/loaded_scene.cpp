@@ -115,4 +115,18 @@ double gap_of_swapped_m(const MovedScene& run, const MovedScene& swapped) {
   return largest_gap_m(one, other);
 }
 
+HardFigure bound_figure(const MovedScene& run) {
+  double largest_m = 0;
+  for (const Snapshot& shape : run.result.snapshots) {
+    for (const BoundNode& bound : run.result.bound_nodes) {
+      const auto node = static_cast<std::size_t>(bound.node);
+      const Vec3 carried =
+          shape.bone_poses[static_cast<std::size_t>(bound.bone)].apply(run.scene.muscle_mesh.vertices[node]);
+      largest_m = std::max(largest_m, (shape.positions[node] - carried).norm());
+    }
+  }
+  return {"drift of a bound node in its bone, over the diagonal",
+          run.result.bound_nodes.empty() ? 1 : largest_m / run.diagonal_m(), 1e-12};
+}
+
 }  // namespace musclebench

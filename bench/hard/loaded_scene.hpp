@@ -45,6 +45,9 @@ using HardFigures = std::vector<HardFigure>;
 /// of 1 %. None where the backend's response has no forces.
 HardFigures late_force_figures(const MovedScene& run, int frames, const LoadOfBones& expected = {});
 
+/// How far bound nodes are from where their bones carry them, over the diagonal.
+HardFigure bound_figure(const MovedScene& run);
+
 /// A bone's path along a straight line: `displacement_m` along `direction` at each time, from 0 to 1 over the run.
 struct StraightCourse {
   Vec3 direction;

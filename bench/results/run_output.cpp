@@ -118,6 +118,7 @@ Json json_of_outcome(const RunResult& result) {
           {"muscle_depth_at_rest_m", json_of(outcome.muscle_depth_at_rest_m)},
           {"max_muscle_surface_depth_m", json_of(outcome.max_muscle_surface_depth_m)},
           {"passed_nodes", json_of(outcome.passed_nodes)},
+          {"max_ring_escape_m", outcome.ring_escape.outside_m},
           {"true_contacts", json_of(outcome.true_contacts)},
           {"missed_beyond_bound", json_of(outcome.missed_beyond)},
           {"max_missed_m", outcome.max_missed_m},

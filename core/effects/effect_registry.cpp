@@ -12,6 +12,7 @@
 #include "core/effects/margin.hpp"
 #include "core/effects/multi_bone.hpp"
 #include "core/effects/no_passage/no_passage.hpp"
+#include "core/effects/retinaculum.hpp"
 #include "core/effects/self_contact.hpp"
 #include "core/effects/surface_contact.hpp"
 #include "core/effects/tunnelling_guard.hpp"
@@ -58,6 +59,8 @@ const std::vector<EffectEntry>& effect_registry() {
        .parameters = bending_parameters(),
        .make = make_bending,
        .remedies = {{Requirement::self_passage, tissue_bending()}, {Requirement::returned_shape, tissue_bending()}}},
+      {"retinaculum", "rings that bones carry hold tendons, which slide through them", retinaculum_parameters(),
+       make_retinaculum},
       {.name = "margin",
        .help = "a skin on the bones; nodes stay out of it, and faces with `surface_contact`",
        .parameters = margin_parameters(),

@@ -17,6 +17,7 @@
 #include "core/fibres/fibre_segments.hpp"
 #include "core/mesh/body.hpp"
 #include "core/mesh/bound_node.hpp"
+#include "core/mesh/retinaculum.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 #include "core/pbd/contact_stage.hpp"
 #include "core/pbd/effect.hpp"
@@ -33,6 +34,7 @@ struct EffectInput {
   const std::vector<BoundNode>& bound_nodes;
   const std::vector<RigidMotion>& rest_poses;
   std::span<const EndNodes> ends = {};  ///< by body; empty: none is known
+  std::span<const Retinaculum> retinacula = {};
 };
 
 /// What contact stages are constructed from. Outlives them unless said otherwise.

@@ -18,10 +18,12 @@ constexpr std::array<Column<ForceRow>, 21> force_table{{
     {{"muscle", "", "on which the force acts; empty for a joint, whose force acts on its bone"},
      [](const ForceRow& r) { return r.muscle; }},
     {{"source", "",
-      "bone, muscle or itself: contact; unknown: contact that does not tell with what; attachment; joint: all that "
+      "bone, muscle or itself: contact; unknown: contact that does not tell with what; attachment; retinaculum; joint: "
+      "all that "
       "muscles do to a bone"},
      [](const ForceRow& r) { return std::string(name_of(r.source)); }},
-    {{"other", "", "the bone, muscle or attachment that exerts the force"}, [](const ForceRow& r) { return r.other; }},
+    {{"other", "", "the bone, muscle, attachment or retinaculum that exerts the force"},
+     [](const ForceRow& r) { return r.other; }},
     {{"bone", "", "that touches or carries the muscle, or a joint's; empty elsewhere"},
      [](const ForceRow& r) { return r.bone; }},
     {{"force_x_n", "N", "mean over the frame, along x of the world"},
@@ -56,7 +58,8 @@ constexpr std::array<Column<ForceRow>, 21> force_table{{
 }  // namespace
 
 std::string_view name_of(ForceSource source) {
-  constexpr std::array<std::string_view, 6> names{"bone", "muscle", "itself", "unknown", "attachment", "joint"};
+  constexpr std::array<std::string_view, 7> names{"bone",       "muscle",      "itself", "unknown",
+                                                  "attachment", "retinaculum", "joint"};
   return names[static_cast<std::size_t>(source)];
 }
 

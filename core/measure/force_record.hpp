@@ -12,12 +12,13 @@ namespace musclebench {
 
 /// What a muscle's force comes from.
 enum class ForceSource {
-  bone,        ///< contact with a bone
-  muscle,      ///< contact with another muscle
-  itself,      ///< contact of the muscle with itself
-  unknown,     ///< contact that moved nodes without telling with what
-  attachment,  ///< a bone that carries nodes of the muscle
-  joint,       ///< all that muscles do to a bone: their contacts and attachments
+  bone,         ///< contact with a bone
+  muscle,       ///< contact with another muscle
+  itself,       ///< contact of the muscle with itself
+  unknown,      ///< contact that moved nodes without telling with what
+  attachment,   ///< a bone that carries nodes of the muscle
+  retinaculum,  ///< a ring that holds a tendon of the muscle
+  joint,        ///< all that muscles do to a bone: their contacts, attachments and retinacula
 };
 
 /// A mean force over one frame: a row of forces.csv. World frame, N. It acts on the muscle; in a row of a joint, on the
@@ -27,7 +28,7 @@ struct ForceRow {
   double angle_rad = 0;     ///< of the bone that turns
   std::string muscle = {};  ///< empty for a joint
   ForceSource source = ForceSource::bone;
-  std::string other = {};  ///< the bone, muscle or attachment that exerts the force; a joint's bone
+  std::string other = {};  ///< the bone, muscle, attachment or retinaculum that exerts the force; a joint's bone
   std::string bone = {};   ///< that touches or carries the muscle; a joint's; empty elsewhere
   Vec3 force_n = Vec3::Zero();
   Vec3 at_m = Vec3::Zero();  ///< the mean of its nodes, each by the size of its force; a point of a joint's axis

@@ -148,6 +148,10 @@ Outcome outcome_of(std::span<const StepRecord> records, const MuscleAtRest& rest
     if (raise(outcome.stuck_nodes, record.stuck_nodes)) outcome.when_stuck = moment_of(record);
     raise(outcome.max_muscle_surface_depth_m, record.muscle_surface_depth_m);
     if (raise(outcome.passed_nodes, record.passed_nodes)) outcome.when_passed = moment_of(record);
+    if (record.ring_escape.share > outcome.ring_escape.share) {
+      outcome.ring_escape = record.ring_escape;
+      outcome.when_out_of_ring = moment_of(record);
+    }
     add_worst_depths(record, rest, outcome);
     outcome.true_contacts = outcome.true_contacts.value_or(0) + record.true_contacts;
     outcome.missed_beyond = outcome.missed_beyond.value_or(0) + record.missed_beyond;

@@ -27,6 +27,7 @@ struct MuscleAtRest {
   std::vector<BoneSize> bones;
   std::vector<std::pair<int, int>> touching;  ///< muscles whose contact the scene asks for, the lower index first
   std::vector<std::string> effects;           ///< of the scene, by name
+  std::vector<std::string> rings = {};        ///< names of its retinacula
   std::string backend = {};
   std::optional<DepthStatistics> depth;        ///< of the free nodes in the bones, before the first frame
   std::optional<DepthStatistics> in_muscles;   ///< of nodes in other muscles; nothing where no muscles touch
@@ -98,6 +99,8 @@ struct Outcome {
   std::optional<double> max_muscle_surface_depth_m;  ///< largest of StepRecord::muscle_surface_depth_m
   std::optional<int> passed_nodes;  ///< most that went through another muscle between two judged frames
   Moment when_passed;
+  RingEscape ring_escape;  ///< the largest share of the judged frames
+  Moment when_out_of_ring;
   int volume_muscle = 0;  ///< whose volume was off most
   /// Over all judged frames: contacts that were true in their last detections, those that were missed and deeper than
   /// the backend declares that it may miss, and the deepest of them.

@@ -17,7 +17,7 @@ namespace {
 // Measured on four muscles of the LHDL hip with exact contacts of nodes: the surface is 0.24 mm deep in a bone
 // (iliacus) to 2.6 mm (gluteus maximus), which surface_contact holds below 0.1 mm; 99 of 100 edges are at most 2.3
 // times as long as at rest.
-constexpr std::array<OutcomeLimit, 12> limits{{
+constexpr std::array<OutcomeLimit, 13> limits{{
     {{"volume_error", "", "largest departure of the volume from its target, over the target"},
      0.05,
      "muscle is nearly incompressible: a larger change is lost or gained tissue"},
@@ -39,6 +39,9 @@ constexpr std::array<OutcomeLimit, 12> limits{{
     {{"stuck_share", "", "nodes that false contacts held in one frame, over the free nodes"},
      0.01,
      "a node that nothing touches is held in place"},
+    {{"ring_share", "of the radius of a retinaculum", "how far a tendon is out of it"},
+     0.25,
+     "faces between nodes reach out a little; what is farther out is not held"},
     {{"depth_edges", "mean edges at rest", "how deep a muscle is in a bone or in another muscle"},
      1,
      "contact sees nodes only: what is a whole edge deep has entered between them"},
@@ -178,6 +181,12 @@ class Suspicions {
       return fmt::format(
           "{} nodes went through another muscle between two frames {}: take more substeps or a smaller step", nodes,
           words_of(m_outcome.when_passed));
+    });
+    check("ring_share", m_outcome.ring_escape.share, [&](double, double limit) {
+      const auto ring = static_cast<std::size_t>(std::max(m_outcome.ring_escape.ring, 0));
+      return fmt::format("the tendon in {} is {} out of it {} (limit {} of its radius): {}", m_rest.rings.at(ring),
+                         in_millimetres(m_outcome.ring_escape.outside_m), words_of(m_outcome.when_out_of_ring),
+                         in_percent(limit), has("retinaculum") ? "take more substeps" : "add retinaculum");
     });
     check("stuck_share", ratio(m_outcome.stuck_nodes, m_rest.free_nodes), [&](double share, double limit) {
       return fmt::format(

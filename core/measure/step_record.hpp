@@ -10,6 +10,7 @@
 
 #include "core/base/column.hpp"
 #include "core/measure/edge_stretch.hpp"
+#include "core/measure/ring_meter.hpp"
 #include "core/pbd/simulation.hpp"
 #include "core/referee/contact_comparison.hpp"
 
@@ -78,6 +79,7 @@ struct StepRecord {
   int tunnelled_nodes = 0;          ///< that went through a bone and have not come back, see TunnellingTracker
   int stuck_nodes = 0;              ///< in this frame, see count_stuck_nodes
   EdgeStretch edge_stretch;         ///< at the frame's end
+  RingEscape ring_escape;           ///< of tendons from their retinacula, at the frame's end
   /// Triangles of muscles that pass through bones, through other muscles (nothing with one muscle) and through their
   /// own muscle at the frame's end; nothing where that was not tested.
   std::optional<int> bone_crossings, muscle_crossings, self_intersecting_triangles;

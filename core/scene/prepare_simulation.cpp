@@ -98,7 +98,8 @@ PreparedSimulation prepare_simulation(const Scene& scene, CollisionBackend& back
   for (std::size_t muscle = 0; muscle < scene.muscles.size(); ++muscle) {
     ends.push_back(scene.end_nodes(muscle, prepared.bound_nodes));
   }
-  const EffectInput input{scene.muscle_mesh, bodies, order, fibres, prepared.bound_nodes, rest_poses, ends};
+  const EffectInput input{scene.muscle_mesh,    bodies,     order, fibres,
+                          prepared.bound_nodes, rest_poses, ends,  scene.retinacula};
   const std::vector<NamedEffect> named = named_effects(scene);
   for (const auto& [entry, parameters] : named) {
     if (!entry->make) continue;

@@ -24,6 +24,7 @@
 #include "core/scene/read_measure.hpp"
 #include "core/scene/read_motion.hpp"
 #include "core/scene/read_placement.hpp"
+#include "core/scene/read_retinacula.hpp"
 #include "core/scene/scene_warnings.hpp"
 #include "core/scene/toml_table.hpp"
 
@@ -223,6 +224,7 @@ void read_muscles(const SceneRequest& request, const TomlTable& root, Scene& sce
     }
   }
   read_attachments(request, root, scene);
+  read_retinacula(root, scene);
   for (std::size_t i = 0; i < tables.size(); ++i) {
     read_fibres(request, tables[i], i, scene);
   }
@@ -393,8 +395,8 @@ SceneSource source_from(const TomlTable& table) {
 Scene read_scene(const SceneRequest& request) {
   const toml::table text = parse_scene(request);
   const TomlTable root(text, request.file, "");
-  root.allow_only({"title", "preset", "bone", "muscle", "pair", "attachment", "contact", "effects", "loop", "measure",
-                   "meshes", "source", "time_step_change", "wanted"});
+  root.allow_only({"title", "preset", "bone", "muscle", "pair", "attachment", "retinaculum", "contact", "effects",
+                   "loop", "measure", "meshes", "source", "time_step_change", "wanted"});
 
   Scene scene;
   scene.name = request.name;

@@ -14,6 +14,7 @@
 #include "core/fibres/end_nodes.hpp"
 #include "core/fibres/fibre_segments.hpp"
 #include "core/mesh/bound_node.hpp"
+#include "core/mesh/retinaculum.hpp"
 #include "core/pbd/simulation.hpp"
 #include "core/scene/attachment_area.hpp"
 #include "core/scene/bone_motion.hpp"
@@ -141,7 +142,8 @@ struct Scene {
   /// Replaces attachments: every node that the backend finds in a bone before the first frame is attached to that bone,
   /// as in the paper. The boundary condition then depends on the backend.
   bool attach_at_first_contact = false;
-  std::vector<SceneEffect> effects;  ///< the effects of the scene, in the order of the registry
+  std::vector<Retinaculum> retinacula;  ///< that the effect of this name uses
+  std::vector<SceneEffect> effects;     ///< the effects of the scene, in the order of the registry
   std::vector<EffectExclusion> exclusions;
   AutoEffects auto_effects;
   Wanted wanted;  ///< by a search for effects

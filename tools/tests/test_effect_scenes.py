@@ -309,6 +309,21 @@ def last_fibre_force_n(found: Result) -> float:
     return attached.fibres_n.iloc[-1]
 
 
+def test_a_ring_holds_a_tendon_which_slides_through_it(run):
+    """The tendon bends at the ring and pulls alike on both sides of it: the ring bears that on the line that halves the bend."""
+    held = run("retinaculum", "--forces", "--loop", "frames=120", "--loop", "rest_frames=70", frames=(120,))
+    free = run("retinaculum", "--no-effect", "retinaculum", frames=(60,))
+    assert held.record["status"] == "ok" and held.outcome["max_ring_escape_m"] < 5e-4
+    assert free.record["status"] == "suspect" and free.outcome["max_ring_escape_m"] > 0.01
+    assert "add retinaculum" in free.record["status_detail"]
+    last = held.forces[held.forces.frame == 120].set_index("other")
+    forces_n = last[["force_x_n", "force_y_n", "force_z_n"]]
+    strap, ends = forces_n.loc["strap"].to_numpy(), forces_n.loc[["origin", "insertion"]].to_numpy()
+    pull_n = np.linalg.norm(ends, axis=1)
+    assert strap[2] < -0.1 * pull_n.mean()
+    assert np.linalg.norm(strap + ends.sum(axis=0)) < 1e-3 * pull_n.mean()  # at rest nothing is left over
+
+
 def width_of_belly(found: Result) -> float:
     middle = np.abs(found.rest_m[:, 0]) < 0.03
     axis_m = found.shapes[60].vertices_m[middle][:, 1:].mean(axis=0)

@@ -189,6 +189,41 @@ ForceWatch::Told ForceWatch::attachment(const Carried& carried, const Simulation
           .on_other = on_bone};
 }
 
+std::vector<ForceWatch::Told> ForceWatch::retinacula(const Simulation& simulation) const {
+  const auto effects = simulation.effects();
+  const auto effect = std::ranges::find(effects, "retinaculum", [](const auto& e) { return e->name(); });
+  if (effect == effects.end()) return {};
+  const FrameImpulses& impulses = *simulation.impulses();
+  const auto index = static_cast<std::size_t>(effect - effects.begin());
+  const auto poses = simulation.bone_poses();
+  // A node that runs through two of them is held by the nearer.
+  const auto from_plane_m = [&](const Retinaculum& ring, int node) {
+    const Vec3& at = simulation.positions()[static_cast<std::size_t>(node)];
+    return std::abs(ring.axis.dot(poses[static_cast<std::size_t>(ring.bone)].apply_inverse(at) - ring.centre_m));
+  };
+  std::vector<Told> told;
+  for (const Retinaculum& ring : m_scene.retinacula) {
+    Load on_bone;
+    for (const int node : ring.nodes) {
+      const bool is_nearest = std::ranges::none_of(m_scene.retinacula, [&](const Retinaculum& other) {
+        return std::ranges::binary_search(other.nodes, node) && from_plane_m(other, node) < from_plane_m(ring, node);
+      });
+      if (!is_nearest) continue;
+      on_bone.add(simulation.positions()[static_cast<std::size_t>(node)],
+                  -impulses.of_effect(index, node) / impulses.duration_s());
+    }
+    told.push_back({.row = {.muscle = m_bodies[ring.muscle].name,
+                            .source = ForceSource::retinaculum,
+                            .other = ring.name,
+                            .bone = m_scene.bones[static_cast<std::size_t>(ring.bone)].name,
+                            .force_n = -on_bone.force_n,
+                            .at_m = on_bone.at_m(),
+                            .torque_n_m = torque_n_m(ring.bone, on_bone)},
+                    .on_other = on_bone});
+  }
+  return told;
+}
+
 std::vector<ForceRow> ForceWatch::frame(int number, const Simulation& simulation) const {
   const ContactImpulses& contacts = simulation.impulses()->by_collider();
   const std::size_t bones = m_scene.bones.size();
@@ -216,6 +251,11 @@ std::vector<ForceRow> ForceWatch::frame(int number, const Simulation& simulation
     if (!fibres_n.empty()) told.row.fibres_n = fibres_n[carried.muscle];
     of_bones[static_cast<std::size_t>(carried.bone)].add(told.on_other);
     rows.push_back(std::move(told.row));
+  }
+  const std::vector<Told> rings = tells_contacts ? retinacula(simulation) : std::vector<Told>();
+  for (std::size_t i = 0; i < rings.size(); ++i) {
+    of_bones[static_cast<std::size_t>(m_scene.retinacula[i].bone)].add(rings[i].on_other);
+    rows.push_back(rings[i].row);
   }
   // A joint is not known where contact does not tell its bone.
   const bool tells_joints = tells_contacts && tells_attachments && unknown_n <= most_unknown * (unknown_n + told_n);

@@ -26,8 +26,8 @@ class ForceWatch {
   ForceWatch(const Scene& scene, const std::vector<BoundNode>& bound, const ForceObstacles& obstacles,
              Simulation& simulation);
 
-  /// The forces of the frame that the simulation has just done: contacts of each muscle, its attachments, then joints.
-  /// Without those that have an obstacle.
+  /// The forces of the frame that the simulation has just done: contacts of each muscle, its attachments, retinacula,
+  /// then joints. Without those that have an obstacle.
   [[nodiscard]] std::vector<ForceRow> frame(int number, const Simulation& simulation) const;
   /// The same at nodes; before the first frame there are no forces. Empty where contacts have an obstacle.
   [[nodiscard]] NodeForces at_nodes(const Simulation& simulation) const;
@@ -67,6 +67,8 @@ class ForceWatch {
   void carry(const std::vector<BoundNode>& bound);
   [[nodiscard]] Told contact(std::size_t muscle, std::size_t collider, const Simulation& simulation) const;
   [[nodiscard]] Told attachment(const Carried& carried, const Simulation& simulation) const;
+  /// Of all retinacula, in their order; nothing where no effect holds tendons in them.
+  [[nodiscard]] std::vector<Told> retinacula(const Simulation& simulation) const;
   [[nodiscard]] std::optional<double> torque_n_m(int bone, const Load& load) const;
   void list_triangles_of_nodes();
   /// A third of the triangles about a node, as seen along its push: those beside a rim do not count.

@@ -28,6 +28,17 @@ outline_m = [[-0.006, -0.006, 0.0405], [0.006, -0.006, 0.0405], [0.006, 0.006, 0
 distance_m = 0.002
 )";
 
+/// About the ball's lower half, so narrow that the rod, which presses, cannot widen it.
+constexpr const char* ring_about_ball = R"(
+[[retinaculum]]
+name = "ring"
+bone = "plate"
+muscle = "ball"
+centre_m = [0.0, 0.0, 0.02]
+axis = [0.0, 0.0, 1.0]
+radius_m = 0.0200001
+)";
+
 }  // namespace
 
 Scene combination_scene(const std::vector<std::string>& effects, int subdivisions) {
@@ -35,6 +46,7 @@ Scene combination_scene(const std::vector<std::string>& effects, int subdivision
   request.name = request.file = "combination.toml";
   request.text = short_loop + plate_and_rod(-15) + two_balls + foot_of_ball;
   if (std::ranges::find(effects, "fibre_force") != effects.end()) request.text += head_of_ball;
+  if (std::ranges::find(effects, "retinaculum") != effects.end()) request.text += ring_about_ball;
   for (const std::string& effect : effects) request.text += fmt::format("[effects.{}]\n", effect);
   request.synthetic_mesh = [subdivisions](const std::string& name) { return pressed_ball_mesh(name, subdivisions); };
   Scene scene = read_scene(request);

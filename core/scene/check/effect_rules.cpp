@@ -292,6 +292,19 @@ void find_attachments(CheckContext& context, Findings& findings) {
                       .effect = AdvisedEffect{"attachment"}});
 }
 
+void find_retinacula(CheckContext& context, Findings& findings) {
+  const bool has = has_effect(context.scene, "retinaculum");
+  if (has && context.scene.retinacula.empty()) {
+    findings.push_back(cannot_act(key_of("retinaculum"), "has nothing to act on: the scene has no [[retinaculum]]"));
+    findings.back().remove = {"[effects.retinaculum]"};
+  }
+  if (has || context.scene.retinacula.empty()) return;
+  findings.push_back({.where = "retinaculum",
+                      .what = "the scene has retinacula, but no effect holds tendons in them",
+                      .add = {"[effects.retinaculum]"},
+                      .effect = AdvisedEffect{"retinaculum"}});
+}
+
 void find_lacking_lengths(CheckContext& context, Findings& findings) {
   if (has_effect(context.scene, "edge_length")) return;
   // Activation gives every edge a length, too, by its angle to the fibres.
@@ -464,6 +477,7 @@ const std::vector<SceneRule>& effect_rules() {
       {"partial_effect", find_partial_effects},
       {"bound_faces", find_bound_faces_in_contact},
       {"attachment", find_attachments},
+      {"retinaculum", find_retinacula},
       {"edge_length", find_lacking_lengths},
       {"open_volume", find_volumes_of_open_muscles},
       {"two_volumes", find_two_volumes},

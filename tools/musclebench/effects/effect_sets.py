@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 LOADS = ("gravity", "activation", "fibre_force")  # move the muscle; the others say how it answers. Not among all unless a scene has one
+OF_TABLES = ("retinaculum",)  # acts on tables of the scene's, and does nothing in a scene without them
 # Not left out: without attachments a muscle stays where it is, and without edges its surface has no shape to keep, falls
 # together and touches itself everywhere (a run of the largest muscle did not end within minutes).
 KEPT = ("attachment", "edge_length")
@@ -39,6 +40,7 @@ class EffectSet:
 
 def effect_sets(own: tuple[str, ...], known: tuple[str, ...]) -> list[EffectSet]:
     """`known`: all of the program, in its order."""
+    known = tuple(name for name in known if name in own or name not in OF_TABLES)
     every = tuple(name for name in known if name in own or name not in LOADS)
     sets = [EffectSet(OWN, tuple(name for name in known if name in own)), EffectSet(ALL, every)]
     sets += [EffectSet(f"{ALL}-{gone}", tuple(name for name in every if name != gone))

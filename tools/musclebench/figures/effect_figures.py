@@ -15,7 +15,7 @@ EFFECT_COLOURS = {
     "edge_length": "#23395B", "bending": "#6A8CAF", "activation": "#A9C5DE", "fibre_force": "#D3E1EE",
     "volume": "#3E5C4B", "local_volume": "#86A593",
     "margin": "#F0E442", "friction": "#E69F00", "surface_contact": "#D55E00", "tunnelling_guard": "#8C2D04", "no_passage": "#662506",
-    "self_contact": "#CC79A7",
+    "self_contact": "#CC79A7", "retinaculum": "#56B4E9",
 }
 SPARE_COLOURS = ("#4A3B66", "#8F7DB0", "#CBC0DF")
 BONES, REST = "contact with bones", "the rest of the loop"

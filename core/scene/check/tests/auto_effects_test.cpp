@@ -143,6 +143,16 @@ TEST(ResolvedScene, KeepsFirstContactAndTellsItsReasons) {
   EXPECT_NE(text.find("# Added [volume]: "), std::string::npos) << text;
 }
 
+TEST(ResolvedScene, KeepsItsSourceAndItsRings) {
+  const SceneRequest request = request_of("[source]\nlicence = \"CC BY 4.0\"\ncite = [\"one\"]\n" + bone_text("plate") +
+                                          muscle_text("ball") + ring_text("ball", 0.0101) + "[effects.retinaculum]\n");
+  const Scene read = read_scene(request_of(resolved_scene_text(request, read_scene(request))));
+  EXPECT_EQ(read.source.licence, "CC BY 4.0");
+  EXPECT_EQ(read.source.citations, std::vector<std::string>{"one"});
+  ASSERT_EQ(read.retinacula.size(), 1U);
+  EXPECT_EQ(read.retinacula[0].radius_m, 0.0101);
+}
+
 /// The pose of the plate in the middle of the motion, of the scene and of its resolved text.
 void expect_same_motion(const SceneRequest& request) {
   const Scene scene = read_scene(request);

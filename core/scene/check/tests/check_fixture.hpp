@@ -55,6 +55,14 @@ inline std::string muscle_text(std::string_view name, std::string_view more = ""
   return fmt::format("[[muscle]]\nname = \"{0}\"\nmesh = \"synthetic:{0}\"\n{1}", name, more);
 }
 
+/// About the middle of a ball.
+inline std::string ring_text(std::string_view muscle, double radius_m) {
+  return fmt::format(
+      "[[retinaculum]]\nname = \"ring\"\nbone = \"plate\"\nmuscle = \"{}\"\ncentre_m = [0, 0, 0.0125]\n"
+      "axis = [0, 0, 1]\nradius_m = {}\n",
+      muscle, radius_m);
+}
+
 inline std::string attachment_text(std::string_view bone, std::string_view muscle, double distance_m,
                                    double z_m = 0.002) {
   return fmt::format(

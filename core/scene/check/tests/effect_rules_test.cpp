@@ -184,6 +184,17 @@ TEST(EffectRules, FindAttachmentsWithoutTheEffectAndTheEffectWithoutAttachments)
   EXPECT_FALSE(is_found(scene_with(attached + "[effects.attachment]\n"), "attachment"));
 }
 
+TEST(EffectRules, FindRingsWithoutTheEffectAndTheEffectWithoutRings) {
+  const auto scene = [](const std::string& more) {
+    return check_scene_of(bone_text("plate", turning(1)) + muscle_text("ball") + more + "[effects.edge_length]\n");
+  };
+  const std::string ring = ring_text("ball", 0.0101);
+  const std::string effect = "[effects.retinaculum]\n";
+  EXPECT_TRUE(is_found(scene(ring), "retinaculum"));
+  EXPECT_TRUE(is_found(scene(effect), "retinaculum"));
+  EXPECT_FALSE(is_found(scene(ring + effect), "retinaculum"));
+}
+
 TEST(EffectRules, AskForEdgeLengths) {
   EXPECT_TRUE(is_found(check_scene_of(bone_text("plate", turning(1)) + muscle_text("ball")), "edge_length"));
 }
