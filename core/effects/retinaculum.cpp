@@ -13,54 +13,93 @@ namespace {
 /// In which a tendon is looked for at rest: one that is wider than its ring is found, too.
 constexpr double search_radii = 2;
 
-double opening_m(const Retinaculum& ring, double along_m) {
-  return ring.radius_m + along_m * along_m / (2 * ring.half_width_m);
+/// Of each node, m2: a third of the triangles about it.
+std::vector<double> areas_of_nodes(const TriangleMesh& mesh) {
+  std::vector<double> areas_m2(mesh.vertices.size(), 0.0);
+  for (const auto& [a, b, c] : mesh.triangles) {
+    const auto at = [&](int node) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(node)]; };
+    const double third_m2 = (at(b) - at(a)).cross(at(c) - at(a)).norm() / 6;
+    for (const int node : {a, b, c}) areas_m2[static_cast<std::size_t>(node)] += third_m2;
+  }
+  return areas_m2;
 }
 
 class Rings final : public Effect {
  public:
-  explicit Rings(const EffectInput& input) : m_rings(input.retinacula.begin(), input.retinacula.end()) {
-    for (std::size_t ring = 0; ring < m_rings.size(); ++ring) {
-      for (const int node : m_rings[ring].nodes) {
-        m_held.push_back({static_cast<std::size_t>(input.order.row_of(node)), ring});
+  explicit Rings(const EffectInput& input) {
+    const std::vector<double> areas_m2 = areas_of_nodes(input.mesh);
+    for (const Retinaculum& ring : input.retinacula) {
+      Held& held = m_rings.emplace_back(Held{ring, {}, {}});
+      for (const int node : ring.nodes) {
+        held.nodes.push_back(
+            {static_cast<std::size_t>(input.order.row_of(node)), areas_m2[static_cast<std::size_t>(node)]});
       }
+      std::ranges::sort(held.nodes, {}, &Node::row);
+      held.inside.reserve(held.nodes.size());
     }
-    std::ranges::sort(m_held, {}, [](const Held& held) { return std::pair(held.row, held.ring); });
+    std::ranges::stable_sort(m_rings, {}, [](const Held& held) { return held.ring.muscle; });
   }
 
   [[nodiscard]] std::string_view name() const override { return "retinaculum"; }
 
+  /// Rings of one muscle may share nodes, and so a thread.
   void project(NodeRows& rows, const SubstepInput& input, const Team& team) override {
-    const auto [first, last] =
-        team.share_by_row(m_held.size(), rows.size(), [&](std::size_t i) { return m_held[i].row; });
-    for (std::size_t i = first; i < last; ++i) {
-      const auto& [row, index] = m_held[i];
-      if (!(rows[row].inverse_mass > 0)) continue;
-      const Retinaculum& ring = m_rings[index];
-      const RigidMotion& pose = input.bone_poses[static_cast<std::size_t>(ring.bone)];
-      const PlaceInRing place = place_in_ring(ring, pose.apply_inverse(rows[row].position()));
-      if (!(std::abs(place.along_m) < ring.half_width_m)) continue;
-      const double outside_m = place.outwards_m - opening_m(ring, place.along_m);
-      if (!(outside_m > 0)) continue;
-      // C = outwards - opening; |gradient C|^2 = 1 + slope^2.
-      const double slope = place.along_m / ring.half_width_m;
-      const Vec3 gradient = place.outwards - slope * ring.axis;
-      const Vec3 correction = pose.apply_to_direction(-outside_m / (1 + slope * slope) * gradient);
-      rows[row].set_position(rows[row].position() + correction);
-      if (NodeRow* impulses = rows.impulses()) {
-        impulses[row].set_position(impulses[row].position() + correction / rows[row].inverse_mass);
-      }
+    const auto [first, last] = team.share(m_rings.empty() ? 0 : m_rings.back().ring.muscle + 1);
+    for (Held& held : m_rings) {
+      if (held.ring.muscle < first || held.ring.muscle >= last) continue;
+      hold(held, input.bone_poses[static_cast<std::size_t>(held.ring.bone)], rows);
     }
   }
 
  private:
-  struct Held {
+  struct Node {
     std::size_t row;
-    std::size_t ring;
+    double area_m2;
+  };
+  struct Inside {
+    std::size_t row;
+    double weight;
+  };
+  struct Held {
+    Retinaculum ring;
+    std::vector<Node> nodes;     ///< by row
+    std::vector<Inside> inside;  ///< scratch memory
   };
 
-  std::vector<Retinaculum> m_rings;
-  std::vector<Held> m_held;
+  static void hold(Held& held, const RigidMotion& pose, NodeRows& rows) {
+    const Retinaculum& ring = held.ring;
+    held.inside.clear();
+    double sum = 0;
+    double sum_of_squares = 0;
+    Vec3 middle_m = Vec3::Zero();
+    for (const Node& node : held.nodes) {
+      const NodeRow& row = rows[node.row];
+      if (!(row.inverse_mass > 0)) continue;
+      const PlaceInRing place = place_in_ring(ring, pose.apply_inverse(row.position()));
+      const double weight = node.area_m2 * (1 - std::abs(place.along_m) / ring.half_width_m);
+      if (!(weight > 0)) continue;
+      held.inside.push_back({node.row, weight});
+      sum += weight;
+      sum_of_squares += weight * weight;
+      middle_m += weight * place.outwards_m * place.outwards;
+    }
+    if (!(sum > 0)) return;
+    middle_m /= sum;
+    const double off_m = middle_m.norm();
+    if (!(off_m > ring.clearance_m)) return;
+    // C = |sum w p / W| - clearance: a node moves by C (w / W) / sum (w / W)^2.
+    const Vec3 push_m = pose.apply_to_direction((ring.clearance_m - off_m) / off_m * sum / sum_of_squares * middle_m);
+    for (const auto& [index, weight] : held.inside) {
+      NodeRow& row = rows[index];
+      const Vec3 correction_m = weight * push_m;
+      row.set_position(row.position() + correction_m);
+      if (NodeRow* impulses = rows.impulses()) {
+        impulses[index].set_position(impulses[index].position() + correction_m / row.inverse_mass);
+      }
+    }
+  }
+
+  std::vector<Held> m_rings;  ///< by muscle
 };
 
 /// By node of `body`, from 0: its neighbours and how far they are.

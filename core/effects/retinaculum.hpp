@@ -26,8 +26,10 @@ std::optional<PlaceInRing> crossing_of(const Retinaculum& ring, const Vec3& from
 std::vector<int> nodes_through_ring(const TriangleMesh& mesh, const Body& body, const Retinaculum& ring,
                                     double slide_m);
 
-/// Nodes of tendons stay within their rings: |outwards| <= r + z^2 / (2 w) for |z| < w. Each is a hard one-sided
-/// constraint of one node, without friction; the bone bears the push.
+/// The middle of a tendon stays within the clearance of the axis of its ring. The middle is the mean of the nodes that
+/// are nearer than w to the ring's plane, each by its area at rest and by 1 - |z| / w. A correction moves nodes by the
+/// same weight, so that it does not flatten the tendon. A hard one-sided constraint without friction; the bone bears
+/// the push.
 std::unique_ptr<Effect> make_retinaculum(const EffectInput& input, const Parameters& parameters);
 std::vector<ParameterSpec> retinaculum_parameters();
 

@@ -9,16 +9,16 @@
 namespace musclebench {
 
 /// A band of tissue that holds a tendon to a bone: a ring that moves with the bone, and through which the tendon
-/// slides. Its inside is rounded, so that it has no edge that could catch a node: at the distance z from its plane the
-/// opening has the radius r + z^2 / (2 w). Lengths in metres, in the rest frame of the bone.
+/// slides. Lengths in metres, in the rest frame of the bone.
 struct Retinaculum {
   std::string name;
   int bone = 0;            ///< index of the bone
   std::size_t muscle = 0;  ///< index of the muscle whose tendon it holds
   Vec3 centre_m = Vec3::Zero();
   Vec3 axis = Vec3::UnitX();    ///< unit vector along the tendon
-  double radius_m = 0;          ///< r, > 0
-  double half_width_m = 0;      ///< w, > 0: it acts on nodes that are nearer to its plane
+  double radius_m = 0;          ///< > 0
+  double half_width_m = 0;      ///< > 0: it acts on nodes that are nearer to its plane, by how much they are
+  double clearance_m = 0;       ///< how far the middle of the tendon may be from the axis: the radius less the tendon's
   std::vector<int> nodes = {};  ///< of the tendon: those that may slide through it, ascending
   std::string location = {};    ///< file and line, for messages
 };

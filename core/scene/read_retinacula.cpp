@@ -8,6 +8,7 @@
 
 #include "core/base/input_error.hpp"
 #include "core/effects/retinaculum.hpp"
+#include "core/mesh/mesh_size.hpp"
 #include "core/scene/read_contact.hpp"
 
 namespace musclebench {
@@ -21,6 +22,7 @@ struct Section {
   double nearest_m = std::numeric_limits<double>::infinity();  ///< of all nodes, to the centre
   double widest_m = 0;        ///< of the edges through the plane of the tendon, how far from the axis they pass it
   double longest_edge_m = 0;  ///< of these
+  double radius_m = 0;        ///< of the tendon: about the middle of where they pass
 };
 
 Section section_of(const TriangleMesh& mesh, const Body& body, const Retinaculum& ring) {
@@ -29,6 +31,7 @@ Section section_of(const TriangleMesh& mesh, const Body& body, const Retinaculum
     const Vec3& at = mesh.vertices[static_cast<std::size_t>(node)];
     section.nearest_m = std::min(section.nearest_m, (at - ring.centre_m).norm());
   }
+  std::vector<Vec3> places_m;
   for (std::size_t t = body.first_triangle; t < body.last_triangle; ++t) {
     for (std::size_t k = 0; k < 3; ++k) {
       const int from = mesh.triangles[t][k];
@@ -38,10 +41,13 @@ Section section_of(const TriangleMesh& mesh, const Body& body, const Retinaculum
       const Vec3& b = mesh.vertices[static_cast<std::size_t>(to)];
       const auto crossing = crossing_of(ring, a, b);
       if (!crossing) continue;
+      places_m.push_back(crossing->outwards_m * crossing->outwards);
       section.widest_m = std::max(section.widest_m, crossing->outwards_m);
       section.longest_edge_m = std::max(section.longest_edge_m, (b - a).norm());
     }
   }
+  const Eigen::AlignedBox3d box = bounding_box(places_m);
+  for (const Vec3& place_m : places_m) section.radius_m = std::max(section.radius_m, (place_m - box.center()).norm());
   return section;
 }
 
@@ -98,7 +104,9 @@ void read_retinacula(const TomlTable& root, Scene& scene) {
     const double slide_m = table.has("slide_m") ? table.number("slide_m", 0, 10) : default_slide_m;
     const Body& body = scene.muscles[ring.muscle].body;
     ring.nodes = nodes_through_ring(scene.muscle_mesh, body, ring, slide_m);
-    require_fit(table, body.name, ring, section_of(scene.muscle_mesh, body, ring));
+    const Section section = section_of(scene.muscle_mesh, body, ring);
+    require_fit(table, body.name, ring, section);
+    ring.clearance_m = std::max(0.0, ring.radius_m - section.radius_m);
     scene.retinacula.push_back(std::move(ring));
   }
 }

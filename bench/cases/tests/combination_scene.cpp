@@ -34,9 +34,10 @@ constexpr const char* ring_about_ball = R"(
 name = "ring"
 bone = "plate"
 muscle = "ball"
-centre_m = [0.0, 0.0, 0.02]
-axis = [0.0, 0.0, 1.0]
+centre_m = [0.0, 0.0, 0.0205]
+axis = [1.0, 0.0, 0.0]
 radius_m = 0.0200001
+half_width_m = 0.01
 )";
 
 }  // namespace
