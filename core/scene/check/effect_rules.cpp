@@ -99,7 +99,7 @@ void find_ignored_fibres(CheckContext& context, Findings& findings) {
   if (lengths == nullptr || lengths->parameters.number("anisotropy_exponent") != 0) return;
   // With fibre_force edges that hold alike in all directions are what one wants: fibres hold along themselves.
   if (find_named(context.scene, "activation") != nullptr || find_named(context.scene, "fibre_force") != nullptr) return;
-  if (std::ranges::none_of(context.scene.muscles, has_fibres)) return;
+  if (std::ranges::none_of(context.scene.muscles, has_fibres) || context.scene.fibre_count > 0) return;
   Finding& finding = findings.emplace_back(
       cannot_act("muscle.fibres", "no effect uses the fibres: edge_length.anisotropy_exponent is 0"));
   finding.figures = {{"anisotropy_exponent", 0}};
