@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ..program.cli import Problem
 from .map_table import MapTable
+from .rings import ROOM_MM
 from .surface import Points
 
 UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}  # millimetres in each
@@ -23,6 +24,7 @@ class TendonWords:
     at: Points
     through: Points
     radius: float  # millimetres
+    rings: list[tuple[str, Points, float]] = field(default_factory=list)  # (bone that carries it, where about, room in millimetres)
 
 
 @dataclass
@@ -32,6 +34,7 @@ class MuscleWords:
     insertion: list[str] = field(default_factory=list)
     near_mm: float | None = None
     tendon: TendonWords | None = None
+    scene: str = ""  # tables of the scenes that have this muscle alone
 
 
 @dataclass
@@ -68,6 +71,8 @@ class AnatomyMap:
     near_mm: float = 1.5
     muscles: list[MuscleWords] = field(default_factory=list)
     joints: list[JointWords] = field(default_factory=list)
+    scene: str = ""  # tables of each scene, instead of those that ask by trial
+    together: str = ""  # tables of the scenes of several muscles
 
 
 def read_map(path: Path) -> AnatomyMap:
@@ -76,7 +81,8 @@ def read_map(path: Path) -> AnatomyMap:
         table = MapTable(path, "", tomllib.loads(path.read_text(encoding="utf-8")))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise Problem(f"{path}: is not valid TOML ({error})") from None
-    table.allow_only("title", "licence", "non_commercial", "cite", "source", "unit", "side", "error_mm", "near_mm", "files", "muscle", "joint")
+    table.allow_only("title", "licence", "non_commercial", "cite", "source", "unit", "side", "error_mm", "near_mm", "files", "muscle", "joint",
+                     "scene", "together")
     files = table.table("files")
     files.allow_only(*KINDS, "names")
     rules = [(kind, _pattern(files, kind, text)) for kind in KINDS for text in files.words(kind)]
@@ -98,7 +104,8 @@ def read_map(path: Path) -> AnatomyMap:
             raise Problem(f"{path}: {kind} '{twice}' stands there twice; write one table for it")
     return AnatomyMap(
         path, table.word("title"), licence, table.words("cite"), table.word("source", ""), bool(is_non_commercial), unit, table.word("side", ""), rules,
-        renamed, table.positive("error_mm", 0.1), table.positive("near_mm", 1.5), muscles, joints)
+        renamed, table.positive("error_mm", 0.1), table.positive("near_mm", 1.5), muscles, joints,
+        table.tables_text("scene"), table.tables_text("together"))
 
 
 def _pattern(files: MapTable, kind: str, text: str) -> re.Pattern[str]:
@@ -112,14 +119,18 @@ def _pattern(files: MapTable, kind: str, text: str) -> re.Pattern[str]:
 
 
 def _muscle(table: MapTable) -> MuscleWords:
-    table.allow_only("name", "origin", "insertion", "near_mm", "tendon")
+    table.allow_only("name", "origin", "insertion", "near_mm", "tendon", "scene")
     near = table.positive("near_mm") if table.get("near_mm") is not None else None
     tendon = None
     if table.get("tendon") is not None:
         words = table.table("tendon")
-        words.allow_only("to", "at", "through", "radius_mm")
-        tendon = TendonWords(words.word("to"), words.point("at"), words.points("through"), words.positive("radius_mm"))
-    return MuscleWords(table.word("name"), table.words("origin"), table.words("insertion"), near, tendon)
+        words.allow_only("to", "at", "through", "radius_mm", "rings")
+        rings = []
+        for ring in words.tables("rings"):
+            ring.allow_only("bone", "at", "room_mm")
+            rings.append((ring.word("bone"), ring.point("at"), ring.positive("room_mm", ROOM_MM)))
+        tendon = TendonWords(words.word("to"), words.point("at"), words.points("through"), words.positive("radius_mm"), rings)
+    return MuscleWords(table.word("name"), table.words("origin"), table.words("insertion"), near, tendon, table.tables_text("scene"))
 
 
 def _joint(table: MapTable) -> JointWords:

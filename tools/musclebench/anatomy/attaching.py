@@ -8,7 +8,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from ..program.cli import Problem
-from .surface import Points, SignedDistance, Surface, Values
+from .surface import Points, SignedDistance, Surface, Triangles, Values
 
 FEWEST_NODES = 4  # of an area; fewer are where a muscle passes by
 END_SHARE = 1 / 3  # of a muscle's length that counts as its end
@@ -103,10 +103,24 @@ def moved_out(muscle: Surface, bones: dict[str, Surface], areas: list[Area]) -> 
             deep = np.flatnonzero(is_free & (lacking > 0))
             if len(deep):
                 vertices[deep] += lacking[deep, None] * field.gradients(vertices[deep])
+            _lift_faces(vertices, muscle.triangles, field, is_free)
     moves = np.linalg.norm(vertices - muscle.vertices, axis=1)
     told = [f"{np.count_nonzero(moves)} free nodes moved out of bones, by up to {moves.max():.2f} mm"] if moves.any() else []
     inside = is_free & (np.min([field.within(vertices, 0.0) for field in fields], axis=0) < 0) if fields else is_free & False
     return Surface(vertices, muscle.triangles), told + ([f"{np.count_nonzero(inside)} free nodes stay in bones"] if inside.any() else [])
+
+
+def _lift_faces(vertices: Points, triangles: Triangles, field: SignedDistance, is_free: NDArray[np.bool_]) -> None:
+    """Moves the free corners of triangles whose middles, or the middles of whose edges, are in the bone, or nearly, though the corners are not."""
+    corners = vertices[triangles]
+    for places in (corners.mean(axis=1), *((corners[:, k] + corners[:, k - 1]) / 2 for k in range(3))):
+        near = field.within(places, CLEAR_MM)
+        deep = np.flatnonzero((near < CLEAR_MM / 3) & is_free[triangles].any(axis=1))
+        if len(deep):
+            lift = (CLEAR_MM / 2 - near[deep])[:, None] * field.gradients(places[deep])
+            for k in range(3):
+                nodes = triangles[deep, k]
+                vertices[nodes[is_free[nodes]]] += lift[is_free[nodes]]
 
 
 def check_muscle(name: str, muscle: Surface, distances: dict[str, Values], areas: list[Area], near: float) -> None:

@@ -40,15 +40,21 @@ def write_import(folder: Path, result: Anatomy, anatomy: AnatomyMap) -> list[Pat
         moved = [muscle for muscle in result.muscles if joint is None or is_moved(muscle, joint)]
         kind = Path("scenes") / (joint.name if joint else "rest")
         (folder / kind).mkdir(parents=True)
-        texts = {muscle.name: scene_text(anatomy, joint, [muscle], EFFECTS) for muscle in moved}
+        own = {words.name: words.scene for words in anatomy.muscles}
+        texts = {muscle.name: scene_text(anatomy, joint, [muscle], _tables(anatomy.scene or EFFECTS, own.get(muscle.name, ""))) for muscle in moved}
         if len(moved) > 1:
-            texts[TOGETHER] = scene_text(anatomy, joint, moved, ALL_EFFECTS)
+            together = _tables(anatomy.scene, anatomy.together) if anatomy.scene or anatomy.together else ALL_EFFECTS
+            texts[TOGETHER] = scene_text(anatomy, joint, moved, together)
         for name, text in texts.items():
             scenes.append(kind / f"{name}.toml")
             (folder / scenes[-1]).write_text(text, encoding="utf-8")
     (folder / "README.md").write_text(readme(result, anatomy), encoding="utf-8")
     (folder / MARK).write_text(json.dumps(as_json(result, anatomy), indent=1) + "\n", encoding="utf-8")
     return scenes
+
+
+def _tables(*texts: str) -> str:
+    return "\n\n".join(text.strip() for text in texts if text.strip())
 
 
 def is_moved(muscle: MusclePart, joint: Joint) -> bool:
@@ -69,7 +75,8 @@ def as_json(result: Anatomy, anatomy: AnatomyMap) -> dict[str, object]:
         "joints": [{"name": joint.name, "moves": joint.moves, "axis": joint.axis.direction.tolist(), "centre_mm": joint.axis.centre.tolist(),
                     "radius_mm": joint.axis.radius, "rms_mm": joint.axis.rms, "from_deg": joint.from_deg, "to_deg": joint.to_deg,
                     "deepest_mm": joint.deepest} for joint in result.joints],
-        "overlaps": [{"muscle": one, "other": other, "nodes": nodes, "deepest_mm": depth} for one, other, nodes, depth in result.overlaps],
+        "overlaps": [{"muscle": one.muscle, "other": one.other, "nodes": one.nodes, "deepest_mm": one.deepest} for one in result.overlaps],
+        "passing_triangles": result.passing,
         "not_imported": result.problems,
     }
 
@@ -95,8 +102,9 @@ def readme(result: Anatomy, anatomy: AnatomyMap) -> str:
         if stays := [muscle.name for muscle in result.muscles if not is_moved(muscle, joint)]:
             lines += ["", f"These do not cross it and have no scene: {', '.join(stays)}."]
     if result.overlaps:
-        lines += ["", "| muscle | in | nodes | deepest (mm) |", "| --- | --- | ---: | ---: |"]
-        lines += [f"| {one} | {other} | {nodes} | {depth:.2f} |" for one, other, nodes, depth in result.overlaps]
+        left = f"{result.passing} of their triangles still pass through each other" if result.passing else "nothing passes through another muscle now"
+        lines += ["", f"These overlapped, and were moved apart; {left}.", "", "| muscle | in | nodes | deepest (mm) |", "| --- | --- | ---: | ---: |"]
+        lines += [f"| {one.muscle} | {one.other} | {one.nodes} | {one.deepest:.2f} |" for one in result.overlaps]
     if result.problems:
         lines += ["", "Not imported:", "", *(f"- {problem}" for problem in result.problems)]
     return "\n".join(lines) + "\n"

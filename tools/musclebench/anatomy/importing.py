@@ -14,10 +14,12 @@ from .attaching import Area, areas_near_bones, check_muscle, distances_to, end_o
 from .found_files import Found
 from .joints import Joint, made_joint
 from .mesh_file import Mended, mend, read_mesh
+from .overlaps import Overlap, moved_apart, overlaps_of, passing_triangles
 from .resolution import decimated
+from .rings import Ring, ring_around
 from .scene_files import MusclePart
 from .surface import Points, SignedDistance, Surface, sample_points
-from .tendon import Tendon, deepest_in_bones, reach_of_tendon, tendon_path, with_tendon
+from .tendon import Tendon, deepest_in_bones, reach_of_blend, reach_of_tendon, tendon_path, with_tendon
 from .units import unit_of
 
 FARTHEST_END_MM = 15.0  # that a tendon's end is moved onto its bone; it is read off by eye
@@ -46,8 +48,9 @@ class Anatomy:
     parts: dict[str, Part]
     muscles: list[MusclePart]
     joints: list[Joint]
-    overlaps: list[tuple[str, str, int, float]]  # muscle, other, nodes inside it, deepest (mm)
+    overlaps: list[Overlap]  # before they were moved apart
     problems: list[str] = field(default_factory=list)
+    passing: int = 0  # triangles of muscles that pass through others all the same
     without_tendons: dict[str, tuple[Surface, float]] = field(default_factory=dict)  # what a muscle was, and its tendon's radius
 
     def surfaces(self, *kinds: str) -> dict[str, Surface]:
@@ -72,8 +75,22 @@ def import_anatomy(files: list[Found], anatomy: AnatomyMap, problems: list[str],
     for name, part in list(parts.items()):
         if part.found.kind == "muscle":
             _attach(result, anatomy, name, part)
-    result.overlaps = _overlaps(result.surfaces("muscle"))
+    result.overlaps = overlaps_of(result.surfaces("muscle"))
+    if result.overlaps:
+        say("moving muscles apart that overlap")
+        _move_apart(result)
     return result
+
+
+def _move_apart(result: Anatomy) -> None:
+    muscles = {muscle.name: muscle.surface for muscle in result.muscles}
+    held = {muscle.name: np.isin(np.arange(len(muscle.surface.vertices)), np.concatenate([area.nodes for area in muscle.areas])) for muscle in result.muscles}
+    moves = moved_apart(muscles, held, result.surfaces("bone", "cartilage"), result.overlaps)
+    for muscle in result.muscles:
+        if farthest := moves.get(muscle.name, 0.0):
+            result.parts[muscle.name].repairs.append(f"nodes moved out of other muscles, by up to {farthest:.2f} mm")
+            muscle.surface.vertices[:] = moved_out(muscle.surface, result.surfaces("bone", "cartilage"), muscle.areas)[0].vertices
+    result.passing = passing_triangles(muscles, result.overlaps)
 
 
 def _read(files: list[Found], problems: list[str], say: Say) -> list[tuple[Found, Surface]]:
@@ -109,7 +126,7 @@ def _check_names(anatomy: AnatomyMap, parts: dict[str, Part], is_whole: bool, pr
     for words in anatomy.muscles:
         if words.name not in parts and is_whole:
             problems.append(f"{anatomy.path}: there is no muscle '{words.name}' in the folder")
-        for name in (*words.origin, *words.insertion, *([words.tendon.to] if words.tendon else [])):
+        for name in (*words.origin, *words.insertion, *([words.tendon.to, *(ring[0] for ring in words.tendon.rings)] if words.tendon else [])):
             if words.name in parts and name not in solid:
                 raise Problem(f"{anatomy.path}: muscle {words.name} names '{name}', and there is no such bone; there are {', '.join(sorted(solid))}")
 
@@ -131,7 +148,8 @@ def _add_tendons(result: Anatomy, anatomy: AnatomyMap, say: Say) -> None:
         try:
             if (moved := float(np.linalg.norm(at - words.tendon.at * factor))) > FARTHEST_END_MM:
                 raise Problem(f"its tendon's `at` is {moved:.0f} mm away from {words.tendon.to}; is the map for meshes in this place and unit?")
-            part.tendon = tendon_path(part.surface, tendon, bones)
+            others = {name: other for name, other in result.surfaces("muscle").items() if name != words.name}
+            part.tendon = tendon_path(part.surface, tendon, bones | others)
             part.tendon_in_bone = deepest_in_bones(part.tendon, tendon, bones)
             without, part.surface = part.surface, with_tendon(part.surface, part.tendon, tendon.radius)
             result.without_tendons[words.name] = (without, tendon.radius)
@@ -179,7 +197,13 @@ def _attach(result: Anatomy, anatomy: AnatomyMap, name: str, part: Part) -> None
         return
     part.surface, told = moved_out(part.surface, bones, areas)
     part.repairs += told
-    result.muscles.append(MusclePart(name, part.surface, areas, _bones_beside(result, part.surface, areas)))
+    try:
+        rings = _rings(part, words, UNITS[result.unit])
+    except Problem as problem:
+        result.problems.append(f"{part.found.path}: {problem}")
+        rings = []
+    beside = _bones_beside(result, part.surface, areas)
+    result.muscles.append(MusclePart(name, part.surface, areas, list(dict.fromkeys([*beside, *(ring.bone for ring in rings)])), rings))
 
 
 def _areas(part: Part, words: MuscleWords, near: float, distances: dict[str, Points]) -> list[Area]:
@@ -190,7 +214,7 @@ def _areas(part: Part, words: MuscleWords, near: float, distances: dict[str, Poi
     allowed = np.ones(len(part.surface.vertices), dtype=bool)
     ends = []
     if part.tendon is not None and words.tendon is not None:
-        allowed = np.min(np.linalg.norm(part.surface.vertices[:, None] - part.tendon[None, 1::4], axis=2), axis=1) > 2 * words.tendon.radius
+        allowed = ~np.isfinite(cKDTree(part.tendon).query(part.surface.vertices, distance_upper_bound=reach_of_blend(words.tendon.radius))[0])
         ends.append(end_of_tendon(part.surface, words.tendon.to, distances[words.tendon.to], part.tendon[-1], words.tendon.radius))
         if not len(ends[0].nodes):
             raise Problem(f"its tendon does not reach {words.tendon.to}; give `at` on the bone")
@@ -198,6 +222,12 @@ def _areas(part: Part, words: MuscleWords, near: float, distances: dict[str, Poi
     if ends and not words.origin:
         areas = [Area(area.bone, "origin", area.nodes, area.mean_gap) for area in areas]
     return areas + ends
+
+
+def _rings(part: Part, words: MuscleWords, factor: float) -> list[Ring]:
+    if words.tendon is None or part.tendon is None:
+        return []
+    return [ring_around(part.surface, part.tendon, bone, at * factor, room) for bone, at, room in words.tendon.rings]
 
 
 def _bones_beside(result: Anatomy, muscle: Surface, areas: list[Area]) -> list[str]:
@@ -212,15 +242,4 @@ def _bones_beside(result: Anatomy, muscle: Surface, areas: list[Area]) -> list[s
                 places += joint.places(bone.vertices, 3)
         if name in attached or (is_solid and any(bool(np.all((place > low) & (place < high), axis=1).any()) for place in places)):
             found.append(name)
-    return found
-
-
-def _overlaps(muscles: dict[str, Surface]) -> list[tuple[str, str, int, float]]:
-    found = []
-    for other, surface in muscles.items():
-        distance = SignedDistance(surface)
-        for one in (name for name in muscles if name != other):
-            depths = -distance.within(muscles[one].vertices, 1.0)
-            if inside := int(np.count_nonzero(depths > 0)):
-                found.append((one, other, inside, float(depths.max())))
     return found

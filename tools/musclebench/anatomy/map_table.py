@@ -1,6 +1,7 @@
 """A table of a map (TOML), which knows where it stands and refuses what it can't be in one line."""
 
 import re
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -77,6 +78,19 @@ class MapTable:
 
     def points(self, key: str) -> Points:
         return self._points(key, self.get(key, []), 2)
+
+    def tables_text(self, key: str) -> str:
+        """TOML that scenes take as it stands; empty where there is none."""
+        value = self.get(key, "")
+        if not isinstance(value, str):
+            raise Problem(f"{self.at(key)}: has to be a text with tables of a scene")
+        try:
+            tables = tomllib.loads(value)
+        except tomllib.TOMLDecodeError as error:
+            raise Problem(f"{self.at(key)}: is not valid TOML ({error})") from None
+        if loose := [name for name, one in tables.items() if not isinstance(one, (dict, list))]:
+            raise Problem(f"{self.at(key)}: '{loose[0]}' is in no table; write it below one, such as [loop]")
+        return value.strip()
 
     def table(self, key: str) -> "MapTable":
         value = self.get(key, {})

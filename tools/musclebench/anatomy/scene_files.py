@@ -1,7 +1,7 @@
 """Scenes as TOML files, and the places where muscles are attached."""
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 from .anatomy_map import AnatomyMap
 from .attaching import Area
 from .joints import Joint
+from .rings import SLIDE_MM, Ring
 from .surface import Points, Surface
 
 AREAS_FILE = "attachments.json"
@@ -20,6 +21,7 @@ class MusclePart:
     surface: Surface
     areas: list[Area]
     bones: list[str]  # that it may touch
+    rings: list[Ring] = field(default_factory=list)
 
 
 def scene_text(anatomy: AnatomyMap, joint: Joint | None, muscles: list[MusclePart], effects: str) -> str:
@@ -31,7 +33,7 @@ def scene_text(anatomy: AnatomyMap, joint: Joint | None, muscles: list[MusclePar
         lines += ["[[bone]]", f"name = {_quoted(bone)}", f"mesh = {_quoted(f'../../meshes/{bone}.ply')}"]
         if joint is not None and bone in joint.moves:
             lines += ["[bone.motion]", f"axis = {_point(joint.axis.direction)}", f"centre_m = {_point(joint.axis.centre / 1000)}",
-                      f"from_deg = {joint.from_deg:g}", f"to_deg = {joint.to_deg:g}", 'course = "rest_first"']
+                      f"from_deg = {joint.from_deg:g}", f"to_deg = {joint.to_deg:g}", 'course = "rest_to_rest"']
         lines.append("")
     for muscle in muscles:
         lines += ["[[muscle]]", f"name = {_quoted(muscle.name)}", f"mesh = {_quoted(f'../../meshes/{muscle.name}.ply')}", 'fibres = "between_attachments"', ""]
@@ -41,6 +43,13 @@ def scene_text(anatomy: AnatomyMap, joint: Joint | None, muscles: list[MusclePar
                       f"muscle = {_quoted(muscle.name)}", f"bone = {_quoted(area.bone)}", 'near = "points"',
                       f"outline = {_quoted(f'../../{AREAS_FILE}#{muscle.name}/{area.role}/{area.bone}')}",
                       f"distance_m = {reach_m(muscle.surface, area):.4g}", ""]
+    for muscle in muscles:
+        for number, ring in enumerate(muscle.rings, start=1):
+            lines += ["[[retinaculum]]", f"name = {_quoted(f'{muscle.name}_{ring.bone}_{number}')}", f"muscle = {_quoted(muscle.name)}",
+                      f"bone = {_quoted(ring.bone)}", f"centre_m = {_point(ring.centre / 1000)}", f"axis = {_point(ring.axis)}",
+                      f"radius_m = {ring.radius / 1000:.4g}", f"half_width_m = {ring.half_width / 1000:.4g}", f"slide_m = {SLIDE_MM / 1000:g}", ""]
+    if any(muscle.rings for muscle in muscles):
+        effects = effects.rstrip() + "\n\n[effects.retinaculum]\n"
     return "\n".join([*lines, effects.strip(), ""])
 
 

@@ -42,10 +42,12 @@ def tendon_path(muscle: Surface, tendon: Tendon, bones: dict[str, Surface]) -> P
     towards = tendon.through[0] if len(tendon.through) else tendon.at
     inner, tip = _end_of(muscle, towards)
     fields = {name: SignedDistance(bone) for name, bone in bones.items()}
-    through = np.concatenate([tendon.through, [tendon.at]])  # places are told by eye, and may be too near to a bone
-    for _ in range(PUSHES):
-        through = _pushed_out(through, np.zeros(len(through), dtype=bool), fields, tendon)
-    knots = np.concatenate([[inner, tip], through[:-1], [tendon.at]])
+    knots = np.concatenate([[inner, tip], tendon.through, [tendon.at]])
+    for _ in range(PUSHES):  # places are told by eye, and may be too near to a bone; so may the muscle's end
+        knots = _pushed_out(knots, np.zeros(len(knots), dtype=bool), fields, tendon)
+    for k, place in enumerate((inner, tip)):
+        if np.linalg.norm(knots[k] - place) > tendon.radius:  # a muscle that ends in a bone: that is told, and not mended here
+            knots[k] = place
     points, is_fixed = _subdivided(knots)
     for _ in range(ROUNDS):
         middles = points.copy()
@@ -79,7 +81,7 @@ def with_tendon(muscle: Surface, path: Points, radius: float) -> Surface:
     united.vertices = _on_muscle(united.vertices, muscle, path, radius + 0.9 * FILLET_MM)
     for seam in SEAMS_MM[:-1]:
         try:
-            return mend(_sewn(muscle, united, path, radius + FILLET_MM + seam), "muscle and tendon").surface
+            return mend(_sewn(muscle, united, path, reach_of_blend(radius) + seam), "muscle and tendon").surface
         except Unsewable:
             pass
     raise Problem("muscle and tendon do not meet in one closed surface; let `through` begin at the muscle's end")
@@ -91,6 +93,11 @@ def _sewn(muscle: Surface, united: Surface, path: Points, reach: float) -> Surfa
     of_muscle = without_bays(muscle, _to_path(muscle.vertices, path), reach, far)
     of_united = without_bumps(united, _to_path(united.vertices, path), reach, far)
     return sew(clipped(muscle, of_muscle, far, False), clipped(united, of_united, reach, True))
+
+
+def reach_of_blend(radius: float) -> float:
+    """How far from its path the tendon changes the muscle."""
+    return radius + FILLET_MM
 
 
 def reach_of_tendon(radius: float) -> float:
