@@ -87,6 +87,21 @@ std::optional<std::filesystem::path> data_folder(const std::string& option) {
 
 namespace {
 
+/// Of the meshes of an embedded scene. Throws InputError where they are not there.
+std::filesystem::path mesh_folder(const EmbeddedFile& file) {
+  if (file.folder.empty()) return {};
+  const char* variable = std::getenv("MUSCLEBENCH_DATASETS");
+  const bool is_set = variable != nullptr && *variable != '\0';
+  const std::filesystem::path datasets = is_set ? variable : std::string(datasets_of_build());
+  if (!std::filesystem::is_directory(datasets / file.folder)) {
+    throw InputError(std::string(file.name),
+                     fmt::format("needs {}, which is not there; set MUSCLEBENCH_DATASETS to the folder datasets of the "
+                                 "sources",
+                                 (datasets / file.folder).string()));
+  }
+  return datasets / file.folder;
+}
+
 SceneRequest request_of(const SceneChoice& choice) {
   SceneRequest request;
   request.preset_override = choice.preset;
@@ -105,6 +120,7 @@ SceneRequest request_of(const SceneChoice& choice) {
     request.name = choice.scene;
     request.file = choice.scene;
     request.text = file->text;
+    request.folder = mesh_folder(*file);
   } else if (choice.scene.ends_with(".toml")) {
     request.name = std::filesystem::path(choice.scene).stem().string();
     request.file = choice.scene;

@@ -313,7 +313,7 @@ def test_a_ring_holds_a_tendon_which_slides_through_it(run):
     """The tendon bends at the ring and pulls alike on both sides of it: the ring bears that on the line that halves the bend."""
     held = run("retinaculum", "--forces", "--loop", "frames=120", "--loop", "rest_frames=70", frames=(120,))
     free = run("retinaculum", "--no-effect", "retinaculum", frames=(60,))
-    assert held.record["status"] == "ok" and held.outcome["max_ring_escape_m"] < 5e-4
+    assert held.record["status"] == "ok" and held.outcome["max_ring_escape_m"] < 1e-3
     assert free.record["status"] == "suspect" and free.outcome["max_ring_escape_m"] > 0.01
     assert "add retinaculum" in free.record["status_detail"]
     last = held.forces[held.forces.frame == 120].set_index("other")

@@ -61,10 +61,11 @@ def test_the_readmes_commands_run_as_they_are_printed(knee):
     lines = [line.partition("#")[0].split() for line in README.splitlines()
              if line.startswith("build/release/bench/musclebench ")]
     wanted = [line[1:] for line in lines if line[1] in ("check", "run")]
-    assert len(wanted) == 2
+    assert len(wanted) == 3
     for arguments in wanted:
         done = call(*arguments, cwd=knee)
         assert done.returncode == 0, f"{PROGRAM} {' '.join(arguments)}: {done.stderr}"
+    assert json.loads((knee / "shin" / "run.json").read_text())["status"] == "ok"
     record = json.loads((knee / "my_knee" / "sdf" / "run.json").read_text())
     assert record["status"] == "ok" and record["muscle"]["nodes"] == 962
     assert all(attachment["nodes"] >= 10 for attachment in record["attachments"])

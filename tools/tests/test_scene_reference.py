@@ -5,7 +5,7 @@ from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parent.parent.parent
 READERS = [PROJECT / "core/scene" / name
-           for name in ("read_scene.cpp", "read_motion.cpp", "read_contact.cpp", "read_attachments.cpp", "read_placement.hpp")]
+           for name in ("read_scene.cpp", "read_motion.cpp", "read_contact.cpp", "read_attachments.cpp", "read_retinacula.cpp", "read_placement.hpp")]
 
 
 def keys_of_the_reader() -> set[str]:

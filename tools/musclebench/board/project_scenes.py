@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
-SCENES = Path(__file__).resolve().parents[3] / "datasets" / "scenes"
-KNOWN = frozenset(str(path.relative_to(SCENES).with_suffix("")) for path in SCENES.rglob("*.toml"))
+DATASETS = Path(__file__).resolve().parents[3] / "datasets"
+FOLDERS = (DATASETS / "scenes", DATASETS / "ankle" / "scenes")
+KNOWN = frozenset(str(path.relative_to(folder).with_suffix("")) for folder in FOLDERS for path in folder.rglob("*.toml"))
 
 
 def is_of_project(scene: str) -> bool:
