@@ -283,9 +283,10 @@ void add_run_command(CLI::App& app, int& exit_code) {
                    "Like --fibres, but where a scene cannot have fibres, run without them and say why (default: off)")
       ->check(CLI::Range(0, 100000))
       ->excludes(fibres);
-  command->add_flag("--forces", options->forces,
-                    "Write the forces of contacts, attachments and joints of every frame into forces.csv, and the "
-                    "pressure on nodes into snapshots (takes time in each frame)");
+  command->add_flag(
+      "--forces", options->forces,
+      "Write the forces of contacts, attachments, retinacula and joints of every frame into forces.csv, and the "
+      "pressure on nodes into snapshots (takes time in each frame)");
   command->add_flag("--strict", options->strict,
                     "Exit with code 1 if the run ends `suspect`: an outcome is beyond a limit of `musclebench list`");
   command->add_flag("--no-pruning", options->unpruned,

@@ -205,8 +205,9 @@ constexpr auto own_keys = std::to_array<ManifestKey>({
     of_run("outcome.muscle_depth_at_rest_m", "m", "the same before the first frame"),
     of_run("outcome.max_muscle_surface_depth_m", "m", "largest depth of a point of the surface in another muscle"),
     of_run("outcome.passed_nodes", "", "most that went through another muscle between two judged frames"),
-    of_run("outcome.max_ring_escape_m", "m",
-           "of the tendon that is farthest out of its retinaculum, by its radius; 0: all are in"),
+    of_run(
+        "outcome.max_ring_escape_m", "m",
+        "how far a tendon is out of its retinaculum, of that which is farthest out relative to its radius; 0: none is"),
     of_run("outcome.true_contacts", "", "in the last detections of all judged frames"),
     of_run("outcome.missed_beyond_bound", "", "of them missed and deeper than the backend declares that it may miss"),
     of_run("outcome.max_missed_m", "m", "depth of the deepest of these"),

@@ -74,16 +74,16 @@ class Rings final : public Effect {
     Vec3 middle_m = Vec3::Zero();
     for (const Node& node : held.nodes) {
       const NodeRow& row = rows[node.row];
-      if (!(row.inverse_mass > 0)) continue;
       const PlaceInRing place = place_in_ring(ring, pose.apply_inverse(row.position()));
       const double weight = node.area_m2 * (1 - std::abs(place.along_m) / ring.half_width_m);
       if (!(weight > 0)) continue;
-      held.inside.push_back({node.row, weight});
       sum += weight;
-      sum_of_squares += weight * weight;
       middle_m += weight * place.outwards_m * place.outwards;
+      if (!(row.inverse_mass > 0)) continue;  // its bone holds it, and it has a part in the middle all the same
+      held.inside.push_back({node.row, weight});
+      sum_of_squares += weight * weight;
     }
-    if (!(sum > 0)) return;
+    if (!(sum_of_squares > 0)) return;
     middle_m /= sum;
     const double off_m = middle_m.norm();
     if (!(off_m > ring.clearance_m)) return;

@@ -171,6 +171,11 @@ class Suspicions {
     return ": close its surface";
   }
 
+  [[nodiscard]] std::string cure_of_escape() const {
+    if (!has("retinaculum")) return "add retinaculum";
+    return m_outcome.ring_escape.has_left ? "it slid farther than slide_m; give a larger one" : "take more substeps";
+  }
+
   void check_nodes() {
     check("tunnelled_nodes", m_outcome.tunnelled_nodes, [&](double nodes, double) {
       return fmt::format("{} nodes went through a bone and are on its wrong side {}: {}", nodes,
@@ -186,7 +191,7 @@ class Suspicions {
       const auto ring = static_cast<std::size_t>(std::max(m_outcome.ring_escape.ring, 0));
       return fmt::format("the tendon in {} is {} out of it {} (limit {} of its radius): {}", m_rest.rings.at(ring),
                          in_millimetres(m_outcome.ring_escape.outside_m), words_of(m_outcome.when_out_of_ring),
-                         in_percent(limit), has("retinaculum") ? "take more substeps" : "add retinaculum");
+                         in_percent(limit), cure_of_escape());
     });
     check("stuck_share", ratio(m_outcome.stuck_nodes, m_rest.free_nodes), [&](double share, double limit) {
       return fmt::format(

@@ -18,15 +18,15 @@ RingMeter::RingMeter(std::span<const Retinaculum> rings, const TriangleMesh& mes
 RingEscape RingMeter::measure(std::span<const Vec3> positions, std::span<const RigidMotion> poses) const {
   RingEscape worst;
   for (std::size_t i = 0; i < m_tendons.size(); ++i) {
-    const Retinaculum& ring = m_tendons[i].ring;
-    const double out_m = outside_m(m_tendons[i], positions, poses[static_cast<std::size_t>(ring.bone)]);
-    const double share = out_m / ring.radius_m;
-    if (share > worst.share) worst = {static_cast<int>(i), out_m, share};
+    const RingEscape found = escape(m_tendons[i], positions, poses[static_cast<std::size_t>(m_tendons[i].ring.bone)]);
+    if (!(found.share > worst.share)) continue;
+    worst = found;
+    worst.ring = static_cast<int>(i);
   }
   return worst;
 }
 
-double RingMeter::outside_m(const Tendon& tendon, std::span<const Vec3> positions, const RigidMotion& pose) {
+RingEscape RingMeter::escape(const Tendon& tendon, std::span<const Vec3> positions, const RigidMotion& pose) {
   const Retinaculum& ring = tendon.ring;
   const auto from_centre_m = [&](int node) -> Vec3 {
     return pose.apply_inverse(positions[static_cast<std::size_t>(node)]) - ring.centre_m;
@@ -43,10 +43,13 @@ double RingMeter::outside_m(const Tendon& tendon, std::span<const Vec3> position
       farthest_m = std::max(farthest_m, crossing.norm());
     }
   }
-  if (farthest_m >= 0) return std::max(0.0, farthest_m - ring.radius_m);
+  const auto told = [&](double outside_m, bool has_left) {
+    return RingEscape{.outside_m = outside_m, .share = outside_m / ring.radius_m, .has_left = has_left};
+  };
+  if (farthest_m >= 0) return told(std::max(0.0, farthest_m - ring.radius_m), false);
   double nearest_m = std::numeric_limits<double>::infinity();
   for (const int node : ring.nodes) nearest_m = std::min(nearest_m, from_centre_m(node).norm());
-  return nearest_m;
+  return told(nearest_m, true);
 }
 
 }  // namespace musclebench

@@ -12,9 +12,10 @@ namespace musclebench {
 
 /// How far a tendon is out of one of its rings.
 struct RingEscape {
-  int ring = -1;         ///< index of the worst; -1: all tendons are in their rings
-  double outside_m = 0;  ///< of its farthest point in the ring's plane, beyond the radius
-  double share = 0;      ///< of that radius
+  int ring = -1;          ///< index of the worst; -1: all tendons are in their rings
+  double outside_m = 0;   ///< of its farthest point in the ring's plane, beyond the radius
+  double share = 0;       ///< of that radius
+  bool has_left = false;  ///< nothing of the tendon that the ring knows crosses its plane any more
 };
 
 /// Looks where tendons cross the planes of their rings: at their faces, and not at their nodes as the effect does.
@@ -33,7 +34,8 @@ class RingMeter {
     Retinaculum ring;
     std::vector<Triangle> triangles;  ///< whose nodes all are the ring's
   };
-  [[nodiscard]] static double outside_m(const Tendon& tendon, std::span<const Vec3> positions, const RigidMotion& pose);
+  [[nodiscard]] static RingEscape escape(const Tendon& tendon, std::span<const Vec3> positions,
+                                         const RigidMotion& pose);
 
   std::vector<Tendon> m_tendons;
 };

@@ -17,7 +17,7 @@ struct Retinaculum {
   Vec3 centre_m = Vec3::Zero();
   Vec3 axis = Vec3::UnitX();    ///< unit vector along the tendon
   double radius_m = 0;          ///< > 0
-  double half_width_m = 0;      ///< > 0: it acts on nodes that are nearer to its plane, by how much they are
+  double half_width_m = 0;      ///< > 0: it acts on nodes nearer than that to its plane, the more, the nearer
   double clearance_m = 0;       ///< how far the middle of the tendon may be from the axis: the radius less the tendon's
   std::vector<int> nodes = {};  ///< of the tendon: those that may slide through it, ascending
   std::string location = {};    ///< file and line, for messages

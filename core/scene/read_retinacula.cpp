@@ -67,10 +67,17 @@ void require_fit(const TomlTable& table, const std::string& muscle, const Retina
                     "centre; move the ring to the tendon, or give a larger radius_m",
                     muscle, 1e3 * section.nearest_m));
   }
+  constexpr double widest_ring = 20;  // tendons
+  if (ring.radius_m > widest_ring * section.radius_m) {
+    throw InputError(table.location("radius_m"),
+                     fmt::format("is {:.3g} mm, and the tendon of {} is {:.3g} mm thick there, so that it would hold "
+                                 "nothing; is it in metres?",
+                                 1e3 * ring.radius_m, muscle, 2e3 * section.radius_m));
+  }
   if (section.widest_m > ring.radius_m) {
     throw InputError(table.location("radius_m"),
                      fmt::format("is {:.2f} mm, and {} reaches {:.2f} mm from the ring's axis at rest; give at least "
-                                 "that, or move the centre",
+                                 "that, or move the ring to where no other part of the muscle is beside it",
                                  1e3 * ring.radius_m, muscle, 1e3 * section.widest_m));
   }
   if (section.longest_edge_m > 2 * ring.half_width_m) {
@@ -90,6 +97,10 @@ void read_retinacula(const TomlTable& root, Scene& scene) {
     table.allow_only({"name", "bone", "muscle", "centre_m", "axis", "radius_m", "half_width_m", "slide_m"});
     Retinaculum ring;
     ring.name = table.word("name");
+    if (std::ranges::find(scene.retinacula, ring.name, &Retinaculum::name) != scene.retinacula.end()) {
+      throw InputError(table.location("name"),
+                       fmt::format("'{}' is the name of an earlier ring; choose another", ring.name));
+    }
     ring.location = table.place();
     ring.bone = static_cast<int>(find_bone(scene, table.word("bone"), table.location("bone")));
     if (!table.has("muscle") && scene.muscles.size() > 1) {

@@ -1,6 +1,8 @@
 #include "bench/cases/forces/force_watch.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 #include <set>
 #include <utility>
@@ -196,19 +198,28 @@ std::vector<ForceWatch::Told> ForceWatch::retinacula(const Simulation& simulatio
   const FrameImpulses& impulses = *simulation.impulses();
   const auto index = static_cast<std::size_t>(effect - effects.begin());
   const auto poses = simulation.bone_poses();
-  // A node that runs through two of them is held by the nearer.
-  const auto from_plane_m = [&](const Retinaculum& ring, int node) {
+  // A node that runs through two of them counts for the one that holds it more.
+  const auto share_of_width = [&](const Retinaculum& ring, int node) {
     const Vec3& at = simulation.positions()[static_cast<std::size_t>(node)];
-    return std::abs(ring.axis.dot(poses[static_cast<std::size_t>(ring.bone)].apply_inverse(at) - ring.centre_m));
+    const RigidMotion& pose = poses[static_cast<std::size_t>(ring.bone)];
+    return std::abs(ring.axis.dot(pose.apply_inverse(at) - ring.centre_m)) / ring.half_width_m;
   };
+  std::vector<std::size_t> ring_of_node(simulation.positions().size(), m_scene.retinacula.size());
+  std::vector<double> shares(simulation.positions().size(), std::numeric_limits<double>::infinity());
+  for (std::size_t ring = 0; ring < m_scene.retinacula.size(); ++ring) {
+    for (const int node : m_scene.retinacula[ring].nodes) {
+      const auto at = static_cast<std::size_t>(node);
+      const double share = share_of_width(m_scene.retinacula[ring], node);
+      if (share >= shares[at]) continue;
+      shares[at] = share;
+      ring_of_node[at] = ring;
+    }
+  }
   std::vector<Told> told;
   for (const Retinaculum& ring : m_scene.retinacula) {
     Load on_bone;
     for (const int node : ring.nodes) {
-      const bool is_nearest = std::ranges::none_of(m_scene.retinacula, [&](const Retinaculum& other) {
-        return std::ranges::binary_search(other.nodes, node) && from_plane_m(other, node) < from_plane_m(ring, node);
-      });
-      if (!is_nearest) continue;
+      if (&m_scene.retinacula[ring_of_node[static_cast<std::size_t>(node)]] != &ring) continue;
       on_bone.add(simulation.positions()[static_cast<std::size_t>(node)],
                   -impulses.of_effect(index, node) / impulses.duration_s());
     }
@@ -252,7 +263,7 @@ std::vector<ForceRow> ForceWatch::frame(int number, const Simulation& simulation
     of_bones[static_cast<std::size_t>(carried.bone)].add(told.on_other);
     rows.push_back(std::move(told.row));
   }
-  const std::vector<Told> rings = tells_contacts ? retinacula(simulation) : std::vector<Told>();
+  const std::vector<Told> rings = tells_contacts && tells_attachments ? retinacula(simulation) : std::vector<Told>();
   for (std::size_t i = 0; i < rings.size(); ++i) {
     of_bones[static_cast<std::size_t>(m_scene.retinacula[i].bone)].add(rings[i].on_other);
     rows.push_back(rings[i].row);

@@ -89,6 +89,28 @@ TEST(Retinaculum, BringsTheTendonBackInItsWidthAndKeepsItsSections) {
   }
 }
 
+/// Nodes that a bone carries have a part in the middle: a tendon that is half bound in its ring is in it.
+TEST(Retinaculum, LeavesATendonAloneThatIsHalfBoundInItsRing) {
+  Tendon tendon;
+  tendon.rings[0].clearance_m = 5e-4;
+  Nodes nodes = tendon.particles();
+  for (std::size_t node = 0; node < nodes.size(); ++node) {
+    if (nodes.predicted[node].x() > 0) nodes.inverse_masses[node] = 0;
+  }
+  tendon.project(*tendon.ring_effect(), nodes);
+  EXPECT_EQ(nodes.predicted, tendon.mesh.vertices);
+  for (Vec3& at : nodes.predicted) at.x() += 0.003;
+  tendon.project(*tendon.ring_effect(), nodes);
+  for (std::size_t node = 0; node < nodes.size(); ++node) {
+    const double moved_m = nodes.predicted[node].x() - tendon.mesh.vertices[node].x() - 0.003;
+    if (nodes.inverse_masses[node] == 0) {
+      EXPECT_EQ(nodes.predicted[node].x(), tendon.mesh.vertices[node].x() + 0.003);
+    } else {
+      EXPECT_LE(moved_m, 1e-15);
+    }
+  }
+}
+
 /// A node that stands for a larger area counts for more: the middle does not depend on where a mesh is fine.
 TEST(Retinaculum, LooksAtAreasAndNotAtNodes) {
   Tendon tendon;

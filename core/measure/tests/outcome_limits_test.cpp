@@ -154,6 +154,22 @@ TEST(OutcomeLimits, CrossingsBeyondThoseAtRestAreSuspectWhereNoDepthIsJudged) {
       "close its surface");
 }
 
+TEST(OutcomeLimits, ATendonOutOfItsRingIsSuspectAndItsCureIsTheRightOne) {
+  MuscleAtRest rest = muscle();
+  rest.rings = {"strap"};
+  Outcome outcome = at_the_limits();
+  outcome.ring_escape = {.ring = 0, .outside_m = 0.002, .share = 0.26};
+  outcome.when_out_of_ring = {7, 0};
+  EXPECT_NE(only_suspicion(outcome, rest).find("the tendon in strap is 2 mm out of it in frame 7"), std::string::npos);
+  EXPECT_TRUE(only_suspicion(outcome, rest).ends_with("add retinaculum"));
+  rest.effects.emplace_back("retinaculum");
+  EXPECT_TRUE(only_suspicion(outcome, rest).ends_with("take more substeps"));
+  outcome.ring_escape.has_left = true;
+  EXPECT_TRUE(only_suspicion(outcome, rest).ends_with("give a larger one"));
+  outcome.ring_escape.share = 0.25;
+  EXPECT_TRUE(suspicions(outcome, rest).empty());
+}
+
 TEST(OutcomeLimits, WhatIsWrongAtRestIsToldApart) {
   MuscleAtRest rest = muscle();
   rest.depth = DepthStatistics{3, 0.001, 0, 0};

@@ -44,6 +44,8 @@ TEST(RingMeter, TellsHowFarTheFacesReachOut) {
 TEST(RingMeter, ATendonThatSlidOutOfItsRingIsOut) {
   const Bar bar(0.0051);
   EXPECT_NEAR(bar.measure(Vec3(0, 0, 0.08)).outside_m, std::hypot(0.003, 0.004, 0.03), 1e-12);
+  EXPECT_TRUE(bar.measure(Vec3(0, 0, 0.08)).has_left);
+  EXPECT_FALSE(bar.measure(Vec3(0.01, 0, 0)).has_left);
 }
 
 TEST(RingMeter, TheWorstOfSeveralIsTold) {

@@ -58,6 +58,9 @@ TEST(ReadRetinacula, WhatHoldsNoTendonIsRefusedWithItsCure) {
                           "radius_m = 0.006\n"),
                   {"axis", "has no length"});
   expect_mentions(refusal(place + "radius_m = 0.0\n"), {"radius_m"});
+  expect_mentions(refusal(place + "radius_m = 1.25\n"), {"radius_m", "would hold nothing; is it in metres?"});
+  expect_mentions(refusal(place + "radius_m = 0.006\n[[retinaculum]]\n" + place + "radius_m = 0.006\n"),
+                  {"'strap' is the name of an earlier ring"});
   expect_mentions(refusal(place + "radius_m = 0.006\nwidth_m = 0.1\n"), {"width_m", "is unknown"});
 }
 
