@@ -21,7 +21,7 @@ def test_it_is_small_and_names_its_authors():
     about = json.loads((ANKLE / "import.json").read_text())
     assert about["licence"] == "CC BY 4.0" and len(about["cite"]) == 2 and not about["not_imported"]
     assert {one["name"] for one in about["meshes"] if one["kind"] == "muscle"} == MUSCLES
-    assert all(one["error_mm"] <= 0.1 for one in about["meshes"])
+    assert all(one["error_mm"] <= 0.1 for one in about["meshes"]) and about["passing_triangles"] == 0
     for path in SCENES:
         scene = tomllib.loads(path.read_text())
         assert scene["source"]["licence"] == "CC BY 4.0" and scene["source"]["cite"] == about["cite"]

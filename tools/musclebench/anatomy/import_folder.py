@@ -75,7 +75,7 @@ def as_json(result: Anatomy, anatomy: AnatomyMap) -> dict[str, object]:
         "joints": [{"name": joint.name, "moves": joint.moves, "axis": joint.axis.direction.tolist(), "centre_mm": joint.axis.centre.tolist(),
                     "radius_mm": joint.axis.radius, "rms_mm": joint.axis.rms, "from_deg": joint.from_deg, "to_deg": joint.to_deg,
                     "deepest_mm": joint.deepest} for joint in result.joints],
-        "overlaps": [{"muscle": one.muscle, "other": one.other, "nodes": one.nodes, "deepest_mm": one.deepest} for one in result.overlaps],
+        "overlaps": [{"muscle": one.muscle, "other": one.other, "triangles": one.triangles, "nodes": one.nodes, "deepest_mm": one.deepest} for one in result.overlaps],
         "passing_triangles": result.passing,
         "not_imported": result.problems,
     }
@@ -103,8 +103,8 @@ def readme(result: Anatomy, anatomy: AnatomyMap) -> str:
             lines += ["", f"These do not cross it and have no scene: {', '.join(stays)}."]
     if result.overlaps:
         left = f"{result.passing} of their triangles still pass through each other" if result.passing else "nothing passes through another muscle now"
-        lines += ["", f"These overlapped, and were moved apart; {left}.", "", "| muscle | in | nodes | deepest (mm) |", "| --- | --- | ---: | ---: |"]
-        lines += [f"| {one.muscle} | {one.other} | {one.nodes} | {one.deepest:.2f} |" for one in result.overlaps]
+        lines += ["", f"These overlapped, and were moved apart; {left}.", "", "| muscle | and | triangles that passed | nodes inside | deepest (mm) |", "| --- | --- | ---: | ---: | ---: |"]
+        lines += [f"| {one.muscle} | {one.other} | {one.triangles} | {one.nodes} | {one.deepest:.2f} |" for one in result.overlaps]
     if result.problems:
-        lines += ["", "Not imported:", "", *(f"- {problem}" for problem in result.problems)]
+        lines += ["", "Not imported, or not as told:", "", *(f"- {problem}" for problem in result.problems)]
     return "\n".join(lines) + "\n"

@@ -14,9 +14,9 @@ from .attaching import Area, areas_near_bones, check_muscle, distances_to, end_o
 from .found_files import Found
 from .joints import Joint, made_joint
 from .mesh_file import Mended, mend, read_mesh
-from .overlaps import Overlap, moved_apart, overlaps_of, passing_triangles
+from .overlaps import Overlap, moved_apart, overlaps_of
 from .resolution import decimated
-from .rings import Ring, ring_around
+from .rings import ring_around
 from .scene_files import MusclePart
 from .surface import Points, SignedDistance, Surface, sample_points
 from .tendon import Tendon, deepest_in_bones, reach_of_blend, reach_of_tendon, tendon_path, with_tendon
@@ -79,6 +79,7 @@ def import_anatomy(files: list[Found], anatomy: AnatomyMap, problems: list[str],
     if result.overlaps:
         say("moving muscles apart that overlap")
         _move_apart(result)
+    _add_rings(result, anatomy)
     return result
 
 
@@ -90,7 +91,7 @@ def _move_apart(result: Anatomy) -> None:
         if farthest := moves.get(muscle.name, 0.0):
             result.parts[muscle.name].repairs.append(f"nodes moved out of other muscles, by up to {farthest:.2f} mm")
             muscle.surface.vertices[:] = moved_out(muscle.surface, result.surfaces("bone", "cartilage"), muscle.areas)[0].vertices
-    result.passing = passing_triangles(muscles, result.overlaps)
+    result.passing = sum(one.triangles for one in overlaps_of(muscles))
 
 
 def _read(files: list[Found], problems: list[str], say: Say) -> list[tuple[Found, Surface]]:
@@ -197,13 +198,7 @@ def _attach(result: Anatomy, anatomy: AnatomyMap, name: str, part: Part) -> None
         return
     part.surface, told = moved_out(part.surface, bones, areas)
     part.repairs += told
-    try:
-        rings = _rings(part, words, UNITS[result.unit])
-    except Problem as problem:
-        result.problems.append(f"{part.found.path}: {problem}")
-        rings = []
-    beside = _bones_beside(result, part.surface, areas)
-    result.muscles.append(MusclePart(name, part.surface, areas, list(dict.fromkeys([*beside, *(ring.bone for ring in rings)])), rings))
+    result.muscles.append(MusclePart(name, part.surface, areas, _bones_beside(result, part.surface, areas)))
 
 
 def _areas(part: Part, words: MuscleWords, near: float, distances: dict[str, Points]) -> list[Area]:
@@ -224,10 +219,18 @@ def _areas(part: Part, words: MuscleWords, near: float, distances: dict[str, Poi
     return areas + ends
 
 
-def _rings(part: Part, words: MuscleWords, factor: float) -> list[Ring]:
-    if words.tendon is None or part.tendon is None:
-        return []
-    return [ring_around(part.surface, part.tendon, bone, at * factor, room) for bone, at, room in words.tendon.rings]
+def _add_rings(result: Anatomy, anatomy: AnatomyMap) -> None:
+    """A ring that can't be placed is told; the muscle goes without it."""
+    for muscle in result.muscles:
+        part, words = result.parts[muscle.name], _words_of(anatomy, muscle.name)
+        if words.tendon is None or part.tendon is None:
+            continue
+        for bone, at, room in words.tendon.rings:
+            try:
+                muscle.rings.append(ring_around(muscle.surface, part.tendon, bone, at * UNITS[result.unit], room))
+            except Problem as problem:
+                result.problems.append(f"{part.found.path}: {muscle.name} has no ring on {bone}: {problem}")
+        muscle.bones += [ring.bone for ring in muscle.rings if ring.bone not in muscle.bones]
 
 
 def _bones_beside(result: Anatomy, muscle: Surface, areas: list[Area]) -> list[str]:

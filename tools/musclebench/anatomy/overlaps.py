@@ -15,27 +15,36 @@ BESIDE_MM = 1.0  # of a place that overlaps: triangles that may pass through
 
 @dataclass
 class Overlap:
+    """Of two muscles that pass through each other, or one of which has nodes in the other."""
+
     muscle: str
     other: str
-    nodes: int  # of the muscle in the other
-    deepest: float  # millimetres
+    triangles: int  # of both that pass through each other
+    nodes: int  # of either in the other
+    deepest: float  # of them, millimetres
 
 
 def overlaps_of(muscles: dict[str, Surface]) -> list[Overlap]:
     found = []
-    for other, surface in muscles.items():
-        distance = SignedDistance(surface)
-        for one in (name for name in muscles if name != other):
-            depths = -distance.within(muscles[one].vertices, 1.0)
-            if inside := int(np.count_nonzero(depths > 0)):
-                found.append(Overlap(one, other, inside, float(depths.max())))
+    fields = {name: SignedDistance(surface) for name, surface in muscles.items()}
+    names = list(muscles)
+    for i, one in enumerate(names):
+        for other in names[i + 1:]:
+            near = _near(muscles[one], muscles[other]), _near(muscles[other], muscles[one])
+            if not len(near[0].triangles) or not len(near[1].triangles):
+                continue
+            triangles = crossing_triangles(merged(list(near))) - sum(crossing_triangles(part) for part in near)
+            depths = [-fields[to].within(muscles[of].vertices, BESIDE_MM) for of, to in ((one, other), (other, one))]
+            nodes = sum(int(np.count_nonzero(each > 0)) for each in depths)
+            if triangles > 0 or nodes:
+                found.append(Overlap(one, other, max(triangles, 0), nodes, max(0.0, *(float(each.max()) for each in depths))))
     return found
 
 
 def moved_apart(muscles: dict[str, Surface], held: dict[str, NDArray[np.bool_]], bones: dict[str, Surface], overlaps: list[Overlap]) -> dict[str, float]:
     """Moves the nodes of muscles that overlap, both by half, and out of bones again; `held`: nodes that stay. Only nodes that overlap, and
     those beside them, move. {muscle: how far its farthest node went (mm)}"""
-    pairs = {(min(one.muscle, one.other), max(one.muscle, one.other)) for one in overlaps}
+    pairs = [(one.muscle, one.other) for one in overlaps]
     names = sorted({name for pair in pairs for name in pair})
     before = {name: muscles[name].vertices.copy() for name in names}
     fields = {name: SignedDistance(bone) for name, bone in bones.items()}
@@ -50,12 +59,6 @@ def moved_apart(muscles: dict[str, Surface], held: dict[str, NDArray[np.bool_]],
                 if deep.any():
                     muscles[name].vertices[moved[deep]] += lacking[deep, None] * field.gradients(muscles[name].vertices[moved[deep]])
     return {name: float(np.linalg.norm(muscles[name].vertices - before[name], axis=1).max()) for name in names}
-
-
-def passing_triangles(muscles: dict[str, Surface], overlaps: list[Overlap]) -> int:
-    """Of two muscles that overlap, triangles that pass through each other."""
-    pairs = {(min(one.muscle, one.other), max(one.muscle, one.other)) for one in overlaps}
-    return sum(crossing_triangles(merged([muscles[one], muscles[other]])) for one, other in pairs)
 
 
 def _pushed(muscles: dict[str, Surface], held: dict[str, NDArray[np.bool_]], one: str, other: str) -> bool:
@@ -92,3 +95,7 @@ def _triangles_near(surface: Surface, other: Surface) -> NDArray[np.int64]:
     corners = surface.corners
     low, high = other.vertices.min(axis=0) - BESIDE_MM, other.vertices.max(axis=0) + BESIDE_MM
     return np.flatnonzero(((corners.max(axis=1) > low) & (corners.min(axis=1) < high)).all(axis=1))
+
+
+def _near(surface: Surface, other: Surface) -> Surface:
+    return Surface(surface.vertices, surface.triangles[_triangles_near(surface, other)])

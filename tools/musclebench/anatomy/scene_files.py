@@ -1,11 +1,13 @@
 """Scenes as TOML files, and the places where muscles are attached."""
 
 import json
+import tomllib
 from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ..program.cli import Problem
 from .anatomy_map import AnatomyMap
 from .attaching import Area
 from .joints import Joint
@@ -48,9 +50,14 @@ def scene_text(anatomy: AnatomyMap, joint: Joint | None, muscles: list[MusclePar
             lines += ["[[retinaculum]]", f"name = {_quoted(f'{muscle.name}_{ring.bone}_{number}')}", f"muscle = {_quoted(muscle.name)}",
                       f"bone = {_quoted(ring.bone)}", f"centre_m = {_point(ring.centre / 1000)}", f"axis = {_point(ring.axis)}",
                       f"radius_m = {ring.radius / 1000:.4g}", f"half_width_m = {ring.half_width / 1000:.4g}", f"slide_m = {SLIDE_MM / 1000:g}", ""]
-    if any(muscle.rings for muscle in muscles):
+    if any(muscle.rings for muscle in muscles) and "[effects.retinaculum]" not in effects:
         effects = effects.rstrip() + "\n\n[effects.retinaculum]\n"
-    return "\n".join([*lines, effects.strip(), ""])
+    text = "\n".join([*lines, effects.strip(), ""])
+    try:
+        tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise Problem(f"{anatomy.path}: the tables of `scene` do not fit together in the scene of {names} ({error}); name each table once") from None
+    return text
 
 
 def source_lines(anatomy: AnatomyMap) -> list[str]:
