@@ -22,8 +22,20 @@ constexpr double most_fibres = 100'000;
 /// Where a scene wants moment arms and does not say of how many.
 constexpr int fibres_for_arms = 100;
 
+const BoneRotation& turning_rotation(const BoneMotion& motion) {
+  return *std::ranges::find_if(motion.rotations, &BoneRotation::turns);
+}
+
+/// Whether two bones turn as one: as the bones of a foot do at the ankle.
+bool turn_alike(const BoneRotation& one, const BoneRotation& other) {
+  return one.axis == other.axis && one.centre_m == other.centre_m && one.times == other.times &&
+         one.angles_rad == other.angles_rad && one.there_and_back == other.there_and_back;
+}
+
 void require_one_axis(const Scene& scene, const std::string& location) {
   std::vector<std::string> turning;
+  const BoneRotation* first = nullptr;
+  bool is_one = true;
   for (std::size_t bone = 0; bone < scene.bones.size(); ++bone) {
     if (!scene.motions[bone].turns()) continue;
     turning.push_back("'" + scene.bones[bone].name + "'");
@@ -33,15 +45,18 @@ void require_one_axis(const Scene& scene, const std::string& location) {
                                    "of its [[bone.motion]], or leave fibres out",
                                    turning.back()));
     }
+    const BoneRotation& rotation = turning_rotation(scene.motions[bone]);
+    if (first == nullptr) first = &rotation;
+    is_one = is_one && turn_alike(*first, rotation);
   }
   if (turning.empty()) {
     throw InputError(location,
                      "needs a motion: moment arms are about the axis that a bone turns about, and none turns; "
                      "give one a [bone.motion], or leave fibres out");
   }
-  if (turning.size() > 1) {
-    throw InputError(location, fmt::format("needs one axis for moment arms, and bones {} turn; let one of them stand, "
-                                           "or leave fibres out",
+  if (!is_one) {
+    throw InputError(location, fmt::format("needs one axis for moment arms, and bones {} turn in different ways; let "
+                                           "one of them stand, give all one motion, or leave fibres out",
                                            fmt::join(turning, " and ")));
   }
 }

@@ -196,6 +196,20 @@ TEST(ReadScene, AMotionMayGoToItsFirstAngleFromRest) {
                   {"test.toml:", "rest_first", "table of angles"});
 }
 
+/// As the bones of a foot at the ankle.
+TEST(ReadScene, BonesThatTurnAsOneHaveOneAxisForMomentArms) {
+  const auto error_with = [](const std::string& other_deg) {
+    const auto motion = [](const std::string& degrees) {
+      return "[bone.motion]\ncentre_m = [0, 0, 0]\naxis = [0, 0, 1]\nfrom_deg = 0\nto_deg = " + degrees + "\n";
+    };
+    return error_of(std::string(box_without_motion) + motion("40") +
+                    "[[bone]]\nname = \"knob\"\nmesh = \"synthetic:knob\"\n" + motion(other_deg) + ball +
+                    "[measure]\nfibres = 10\n");
+  };
+  EXPECT_EQ(error_with("40").find("one axis"), std::string::npos) << error_with("40");
+  expect_one_line(error_with("30"), {"needs one axis", "'box' and 'knob' turn in different ways"});
+}
+
 TEST(ReadScene, AMuscleHasADensityAndAVelocityOfItsOwn) {
   const Scene scene = read_scene(request_of(std::string(box_without_motion) + ball +
                                             "density_kg_per_m3 = 500.0\nvelocity_m_per_s = [0, 0, -3]\n"));
