@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -76,19 +77,37 @@ HardCell full_pull(const HardRequest& request) {
   });
 }
 
+/// Of the 50 frames in which bones move; then they stand still.
+void move_within(BoneMotion& motion, int frames) {
+  BoneRotation& rotation = motion.rotations.front();
+  rotation.times = {0, frames / 51.0, 1};
+  rotation.angles_rad.push_back(rotation.angles_rad.back());
+}
+
+void add_held(RunFigures& figures, const MovedScene& run, int frames) {
+  figures.add_run(
+      run, fmt::format("in {} frames", frames),
+      {{"tendon out of its ring, over the radius", run.result.outcome.ring_escape.share, 0.25}, bound_figure(run)},
+      {.edge_stretch = 3});  // it is 1.2 times as long, and its end went there within 20 ms
+}
+
 HardCell held_tendon(const HardRequest& request) {
   return watched_runs(request, false, MayRefuse::nobody, [&](RunFigures& figures) {
-    // Of the 50 frames in which bones move; then the block stands still.
     for (const int frames : {50, 5, 1}) {
       Scene scene = load({"effects/retinaculum"});
-      scene.motions[1].rotations[0].times = {0, frames / 51.0, 1};
-      scene.motions[1].rotations[0].angles_rad.insert(scene.motions[1].rotations[0].angles_rad.end(),
-                                                      scene.motions[1].rotations[0].angles_rad.back());
-      const MovedScene run = moved(request, std::move(scene));
-      figures.add_run(
-          run, fmt::format("in {} frames", frames),
-          {{"tendon out of its ring, over the radius", run.result.outcome.ring_escape.share, 0.25}, bound_figure(run)},
-          {.edge_stretch = 3});  // it is 1.2 times as long, and its end went there within 20 ms
+      move_within(scene.motions[1], frames);
+      add_held(figures, moved(request, std::move(scene)), frames);
+    }
+  });
+}
+
+HardCell moved_ring(const HardRequest& request) {
+  return watched_runs(request, false, MayRefuse::nobody, [&](RunFigures& figures) {
+    for (const int frames : {50, 5, 1}) {
+      Scene scene = load({"effects/retinaculum"});
+      std::swap(scene.motions[0], scene.motions[1]);
+      move_within(scene.motions[0], frames);
+      add_held(figures, moved(request, std::move(scene)), frames);
     }
   });
 }
@@ -123,6 +142,14 @@ const std::vector<HardCase> cases_of_tendons = {
              .effects = "retinaculum attachment",
              .asks_backend = false,
              .run = held_tendon},
+    HardCase{.id = "moved-ring",
+             .what = "The same, and it is the bone with the ring that goes up.",
+             .why = "The ring has to take the tendon along.",
+             .bar = "out of its ring by at most a quarter of the radius, as in any run",
+             .scene = "effects/retinaculum",
+             .effects = "retinaculum attachment",
+             .asks_backend = false,
+             .run = moved_ring},
 };
 
 }  // namespace

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "core/base/input_error.hpp"
-#include "core/effects/retinaculum.hpp"
 #include "core/mesh/mesh_size.hpp"
+#include "core/mesh/retinaculum.hpp"
 #include "core/scene/read_contact.hpp"
 
 namespace musclebench {

@@ -54,7 +54,7 @@ void expect_parameters(const Json& parameters) {
 
 TEST(Catalogue, HasTheKeysOfItsSchema) {
   // Parts of what a scene asks about: no search adds them.
-  const Keys loads{"damping", "gravity", "attachment", "activation", "margin", "friction"};
+  const Keys loads{"damping", "gravity", "attachment", "activation", "margin", "friction", "retinaculum"};
   const Json json = catalogue();
   EXPECT_EQ(keys_of(json), (Keys{"schema", "version", "git", "backends", "responses", "effects", "loop", "meshes",
                                  "wanted", "presets", "scenes", "results"}));
