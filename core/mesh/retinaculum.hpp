@@ -32,6 +32,7 @@ struct PlaceInRing {
   Vec3 outwards = Vec3::Zero();  ///< unit vector; zero on the axis
 };
 
+/// Of a point in the rest frame of the bone, m.
 PlaceInRing place_in_ring(const Retinaculum& ring, const Vec3& point_m);
 
 /// Where an edge passes the ring's plane; nothing: both ends are on one side.
