@@ -103,7 +103,8 @@ def readme(result: Anatomy, anatomy: AnatomyMap) -> str:
             lines += ["", f"These do not cross it and have no scene: {', '.join(stays)}."]
     if result.overlaps:
         left = f"{result.passing} of their triangles still pass through each other" if result.passing else "nothing passes through another muscle now"
-        lines += ["", f"These overlapped, and were moved apart; {left}.", "", "| muscle | and | triangles that passed | nodes inside | deepest (mm) |", "| --- | --- | ---: | ---: | ---: |"]
+        lines += ["", f"These overlapped, and were moved apart; {left}.", ""]
+        lines += ["| muscle | and | triangles that passed | nodes inside | deepest (mm) |", "| --- | --- | ---: | ---: | ---: |"]
         lines += [f"| {one.muscle} | {one.other} | {one.triangles} | {one.nodes} | {one.deepest:.2f} |" for one in result.overlaps]
     if result.problems:
         lines += ["", "Not imported, or not as told:", "", *(f"- {problem}" for problem in result.problems)]
