@@ -75,7 +75,8 @@ def as_json(result: Anatomy, anatomy: AnatomyMap) -> dict[str, object]:
         "joints": [{"name": joint.name, "moves": joint.moves, "axis": joint.axis.direction.tolist(), "centre_mm": joint.axis.centre.tolist(),
                     "radius_mm": joint.axis.radius, "rms_mm": joint.axis.rms, "from_deg": joint.from_deg, "to_deg": joint.to_deg,
                     "deepest_mm": joint.deepest} for joint in result.joints],
-        "overlaps": [{"muscle": one.muscle, "other": one.other, "triangles": one.triangles, "nodes": one.nodes, "deepest_mm": one.deepest} for one in result.overlaps],
+        "overlaps": [{"muscle": one.muscle, "other": one.other, "triangles": one.triangles, "nodes": one.nodes,
+                      "deepest_mm": one.deepest} for one in result.overlaps],
         "passing_triangles": result.passing,
         "not_imported": result.problems,
     }
