@@ -4,8 +4,8 @@
 
 namespace musclebench {
 
-/// The attached nodes of one muscle, numbered from its first node. `origin` has those on the bone of the first
-/// attachment, `insertion` all others.
+/// The attached nodes of one muscle, numbered from its first node. `origin` has those on the bones that the muscle
+/// comes from, `insertion` all others.
 struct EndNodes {
   std::vector<int> origin;
   std::vector<int> insertion;

@@ -1,5 +1,7 @@
 #include "core/scene/read_attachments.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -45,6 +47,26 @@ AttachmentArea read_area(const SceneRequest& request, const TomlTable& table, co
   return area;
 }
 
+bool is_origin(const TomlTable& table) {
+  const std::string end = table.word_or("end", "insertion");
+  if (end == "origin" || end == "insertion") return end == "origin";
+  throw InputError(table.location("end"), fmt::format("'{}' has to be origin or insertion; did you mean '{}'?", end,
+                                                      nearest_word(end, {"origin", "insertion"})));
+}
+
+/// Fibres begin at bones and not at areas of them.
+void require_one_end(const TomlTable& table, const Attachment& attachment, const Scene& scene) {
+  if (!table.has("end")) return;
+  for (const Attachment& other : scene.attachments) {
+    if (other.muscle != attachment.muscle || other.bone != attachment.bone || other.is_origin == attachment.is_origin) {
+      continue;
+    }
+    throw InputError(
+        table.location("end"),
+        fmt::format("contradicts attachment '{}' on the same bone: a bone is one end of a muscle", other.name));
+  }
+}
+
 /// The muscle that the attachment names; in a scene of one muscle it may leave it out.
 std::size_t muscle_index(const Scene& scene, const TomlTable& table) {
   if (table.has("muscle")) {
@@ -72,8 +94,9 @@ void read_attachments(const SceneRequest& request, const TomlTable& root, Scene&
     scene.attach_at_first_contact = true;
     return;
   }
-  for (const TomlTable& table : root.tables("attachment")) {
-    table.allow_only({"name", "bone", "muscle", "near", "outline", "outline_m", "distance_m", "margin_m"});
+  const std::vector<TomlTable> tables = root.tables("attachment");
+  for (const TomlTable& table : tables) {
+    table.allow_only({"name", "bone", "muscle", "end", "near", "outline", "outline_m", "distance_m", "margin_m"});
     Attachment attachment;
     attachment.name = table.word("name");
     attachment.location = table.place();
@@ -87,7 +110,18 @@ void read_attachments(const SceneRequest& request, const TomlTable& root, Scene&
     for (int& node : attachment.nodes) {
       node += body.first_node;
     }
+    attachment.is_origin = is_origin(table);
+    require_one_end(table, attachment, scene);
     scene.attachments.push_back(std::move(attachment));
+  }
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    if (!tables[i].has("end")) continue;
+    const bool has_origin = std::ranges::any_of(scene.attachments, [&](const Attachment& other) {
+      return other.muscle == scene.attachments[i].muscle && other.is_origin;
+    });
+    if (!has_origin) {
+      throw InputError(tables[i].location("end"), "no attachment of this muscle has end = \"origin\"; name one");
+    }
   }
 }
 

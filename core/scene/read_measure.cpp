@@ -22,19 +22,17 @@ constexpr double most_fibres = 100'000;
 /// Where a scene wants moment arms and does not say of how many.
 constexpr int fibres_for_arms = 100;
 
-const BoneRotation& turning_rotation(const BoneMotion& motion) {
-  return *std::ranges::find_if(motion.rotations, &BoneRotation::turns);
-}
-
 /// Whether two bones turn as one: as the bones of a foot do at the ankle.
-bool turn_alike(const BoneRotation& one, const BoneRotation& other) {
-  return one.axis == other.axis && one.centre_m == other.centre_m && one.times == other.times &&
-         one.angles_rad == other.angles_rad && one.there_and_back == other.there_and_back;
+bool turn_alike(const BoneMotion& one, const BoneMotion& other) {
+  return std::ranges::equal(one.rotations, other.rotations, [](const BoneRotation& a, const BoneRotation& b) {
+    return a.axis == b.axis && a.centre_m == b.centre_m && a.times == b.times && a.angles_rad == b.angles_rad &&
+           a.there_and_back == b.there_and_back;
+  });
 }
 
 void require_one_axis(const Scene& scene, const std::string& location) {
   std::vector<std::string> turning;
-  const BoneRotation* first = nullptr;
+  const BoneMotion* first = nullptr;
   bool is_one = true;
   for (std::size_t bone = 0; bone < scene.bones.size(); ++bone) {
     if (!scene.motions[bone].turns()) continue;
@@ -45,9 +43,8 @@ void require_one_axis(const Scene& scene, const std::string& location) {
                                    "of its [[bone.motion]], or leave fibres out",
                                    turning.back()));
     }
-    const BoneRotation& rotation = turning_rotation(scene.motions[bone]);
-    if (first == nullptr) first = &rotation;
-    is_one = is_one && turn_alike(*first, rotation);
+    if (first == nullptr) first = &scene.motions[bone];
+    is_one = is_one && turn_alike(*first, scene.motions[bone]);
   }
   if (turning.empty()) {
     throw InputError(location,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/mesh/body_mesh.hpp"
 
@@ -89,12 +90,18 @@ std::string Scene::muscle_names() const {
 
 EndNodes Scene::end_nodes(std::size_t muscle, const std::vector<BoundNode>& bound) const {
   const Body& body = muscles[muscle].body;
-  const auto first = std::ranges::find(attachments, muscle, &Attachment::muscle);
-  const int origin_bone = first == attachments.end() ? 0 : first->bone;
+  std::set<int> origin_bones;
+  for (const Attachment& attachment : attachments) {
+    if (attachment.muscle == muscle && attachment.is_origin) origin_bones.insert(attachment.bone);
+  }
+  if (origin_bones.empty()) {
+    const auto first = std::ranges::find(attachments, muscle, &Attachment::muscle);
+    origin_bones.insert(first == attachments.end() ? 0 : first->bone);
+  }
   EndNodes ends;
   for (const BoundNode& node : bound) {
     if (!body.has_node(node.node)) continue;
-    (node.bone == origin_bone ? ends.origin : ends.insertion).push_back(node.node - body.first_node);
+    (origin_bones.contains(node.bone) ? ends.origin : ends.insertion).push_back(node.node - body.first_node);
   }
   return ends;
 }

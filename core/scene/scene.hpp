@@ -31,6 +31,7 @@ struct Attachment {
   std::size_t muscle = 0;  ///< index in `Scene::muscles`
   AttachmentArea area;
   std::vector<int> nodes;     ///< attached nodes, ascending
+  bool is_origin = false;     ///< the scene says so, see `Scene::end_nodes`
   std::string location = {};  ///< file and line, for messages
 };
 
@@ -184,10 +185,10 @@ struct Scene {
   Muscle& add_muscle(const std::string& name_of_muscle, const TriangleMesh& mesh);
   /// The bodies of all muscles.
   [[nodiscard]] std::vector<Body> bodies() const;
-  /// The fibres of each muscle, given the attached nodes. Fibres between attachments run from the bone of the muscle's
-  /// first attachment to the others.
+  /// The fibres of each muscle, given the attached nodes. Fibres between attachments run from origins to insertions.
   [[nodiscard]] std::vector<std::vector<FibreSegment>> fibres_with(const std::vector<BoundNode>& bound) const;
-  /// The attached nodes at the two ends of a muscle.
+  /// The attached nodes at the two ends of a muscle. Origins are on the bones of attachments that the scene calls so;
+  /// where it calls none so, on the bone of the first one.
   [[nodiscard]] EndNodes end_nodes(std::size_t muscle, const std::vector<BoundNode>& bound) const;
   /// The vertices of one muscle at rest.
   [[nodiscard]] std::vector<Vec3> vertices_of(const Body& body) const;

@@ -220,7 +220,7 @@ void find_fibres_without_ends(CheckContext& context, Findings& findings) {
     findings.push_back(cannot_act(
         key_of("fibre_force"),
         fmt::format("pulls on no fibres of muscle '{}', which is attached to {}: they run from the bone of its first "
-                    "[[attachment]] to its other bones",
+                    "[[attachment]], or from those with end = \"origin\", to its other bones",
                     scene.muscles[muscle].body.name, bones.empty() ? "no bone" : "one bone only")));
   }
 }

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <numbers>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "core/base/input_error.hpp"
@@ -194,6 +195,35 @@ TEST(ReadScene, AMotionMayGoToItsFirstAngleFromRest) {
                            "table = \"no.mot\"\ncolumn = \"hip\"\n" +
                            ball),
                   {"test.toml:", "rest_first", "table of angles"});
+}
+
+/// A muscle that comes from two bones: its fibres do not run from one of them to the other.
+TEST(ReadScene, AMuscleMayComeFromSeveralBones) {
+  const auto attachment = [](const std::string& bone, const std::string& point_m, const std::string& end) {
+    return fmt::format(
+        "[[attachment]]\nname = \"{0}\"\nbone = \"{0}\"\nnear = \"points\"\noutline_m = [{1}]\n"
+        "distance_m = 0.004\n{2}",
+        bone, point_m, end.empty() ? "" : "end = \"" + end + "\"\n");
+  };
+  const auto scene_of = [&](const std::string& box, const std::string& knob, const std::string& cap) {
+    const auto bone = [](const std::string& name) {
+      return "[[bone]]\nname = \"" + name + "\"\nmesh = \"synthetic:" + name + "\"\n";
+    };
+    return request_of(std::string(box_without_motion) + bone("knob") + bone("cap") + ball +
+                      attachment("box", "[0, 0, 0.011]", box) + attachment("knob", "[0.01, 0, 0.021]", knob) +
+                      attachment("cap", "[0, 0, 0.031]", cap));
+  };
+  const auto origins = [](const SceneRequest& request) {
+    const Scene scene = read_scene(request);
+    return scene.end_nodes(0, scene.bound_nodes()).origin.size();
+  };
+  const std::size_t of_one = origins(scene_of("", "", ""));
+  EXPECT_GT(of_one, 0U);
+  EXPECT_GT(origins(scene_of("origin", "origin", "insertion")), of_one);
+  EXPECT_EQ(origins(scene_of("origin", "insertion", "insertion")), of_one);
+  EXPECT_EQ(origins(scene_of("insertion", "insertion", "origin")), of_one);
+  expect_one_line(error_of(scene_of("insertion", "", "")), {"end", "no attachment of this muscle", "origin"});
+  expect_one_line(error_of(scene_of("begin", "", "")), {"end", "'begin' has to be origin or insertion"});
 }
 
 /// As the bones of a foot at the ankle.

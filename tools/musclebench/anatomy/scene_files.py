@@ -42,7 +42,7 @@ def scene_text(anatomy: AnatomyMap, joint: Joint | None, muscles: list[MusclePar
     for muscle in muscles:
         for area in muscle.areas:
             lines += ["[[attachment]]", f"name = {_quoted(f'{muscle.name}_{area.name}' if len(muscles) > 1 else area.name)}",
-                      f"muscle = {_quoted(muscle.name)}", f"bone = {_quoted(area.bone)}", 'near = "points"',
+                      f"muscle = {_quoted(muscle.name)}", f"bone = {_quoted(area.bone)}", f"end = {_quoted(area.role)}", 'near = "points"',
                       f"outline = {_quoted(f'../../{AREAS_FILE}#{muscle.name}/{area.role}/{area.bone}')}",
                       f"distance_m = {reach_m(muscle.surface, area):.4g}", ""]
     for muscle in muscles:
