@@ -79,6 +79,7 @@ Json json_of(const Muscle& muscle) {
   json["nodes"] = muscle.body.last_node - muscle.body.first_node;
   if (muscle.density_kg_per_m3) json["density_kg_per_m3"] = *muscle.density_kg_per_m3;
   if (const Vec3& v = muscle.velocity_m_per_s; !v.isZero(0)) json["velocity_m_per_s"] = {v.x(), v.y(), v.z()};
+  if (muscle.body.activation != 1) json["activation"] = muscle.body.activation;
   json["repairs"] = muscle.changes;
   return json;
 }

@@ -173,7 +173,8 @@ FibreConstraints::FibreConstraints(std::span<const FibreConstraint> constraints,
   for (auto* values : {&m_stretch, &m_pull, &m_slope, &m_multipliers, &m_most, &m_sum}) values->resize(m_order.size());
   // Rows of a body are consecutive, in the order of bodies.
   for (const Body& body : bodies) {
-    m_muscles.push_back({static_cast<std::size_t>(body.first_node), static_cast<std::size_t>(body.last_node)});
+    m_muscles.push_back(
+        {static_cast<std::size_t>(body.first_node), static_cast<std::size_t>(body.last_node), body.activation});
   }
   for (std::size_t slot = 0; slot < m_order.size(); ++slot) {
     if (m_order.slots()[slot] < 0) continue;
@@ -227,14 +228,15 @@ void FibreConstraints::find_stretches(double time_step_s) {
 }
 
 double FibreConstraints::stress_pa(const Muscle& muscle, const NodeRows& rows, double time_step_s) const {
-  const double at_rest_pa = m_activation * m_law.peak_stress_pa * m_law.active_at(muscle.stretch);
+  const double activation = muscle.activation_share * m_activation;
+  const double at_rest_pa = activation * m_law.peak_stress_pa * m_law.active_at(muscle.stretch);
   if (!(m_law.fastest_per_s > 0) || !(muscle.volume_m3 > 0)) return at_rest_pa;
   double yields = 0;  // sum of inverse masses times squared gradients, m4 / kg
   for (std::size_t row = muscle.first_row; row < muscle.last_row; ++row) {
     yields += rows[row].inverse_mass * m_gradients[row].position().squaredNorm();
   }
   // The rate has in it what the last substep's pull did; a larger one slows the fibres down by as much.
-  const double fastest_per_s = m_law.optimal_stretch * m_law.fastest_per_s * (0.25 + 0.75 * m_activation);
+  const double fastest_per_s = m_law.optimal_stretch * m_law.fastest_per_s * (0.25 + 0.75 * activation);
   const double speed_by_pull = yields / muscle.volume_m3 / fastest_per_s;
   const double before = muscle.rate_per_s / fastest_per_s + speed_by_pull * muscle.last_pa_s;
   double low = 0;

@@ -75,6 +75,7 @@ class FibreConstraints {
   /// All fibres of a body.
   struct Muscle {
     std::size_t first_row, last_row;
+    double activation_share = 1;  ///< as that of the body
     double volume_m3 = 0;
     double stretch = 1;       ///< mean at the start of the substep
     double last_stretch = 1;  ///< of the substep before

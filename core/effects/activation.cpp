@@ -20,6 +20,7 @@ constexpr double least_alignment = 0.5;
 struct EdgeParts {
   double along_m2;
   double across_m2;
+  double activation;  ///< the share of its muscle (`Body`)
 };
 
 class Activation final : public Effect {
@@ -33,27 +34,28 @@ class Activation final : public Effect {
   void apply_force(const NodeRows& /*rows*/, std::span<NodeRow> /*velocities*/, const SubstepInput& input,
                    const Team& team) override {
     m_constraints.begin_substep(team);
-    const double length = fibre_length_at(input.time_s);
-    if (length == m_fibre_length) return;
+    const double shortening = shortening_at(input.time_s);
+    if (shortening == m_last_shortening) return;
     m_constraints.set_rest_lengths(team, [&](std::size_t i) {
+      const double length = 1 - m_parts[i].activation * shortening;
       return std::sqrt(length * length * m_parts[i].along_m2 + m_parts[i].across_m2 / length);
     });
   }
 
   void project(NodeRows& rows, const SubstepInput& input, const Team& team) override {
-    if (team.is_first()) m_fibre_length = fibre_length_at(input.time_s);  // which all have read
+    if (team.is_first()) m_last_shortening = shortening_at(input.time_s);  // which all have read
     m_constraints.project(rows, input.time_step_s, team);
   }
 
  private:
-  /// Relative to rest.
-  [[nodiscard]] double fibre_length_at(double time_s) const { return 1 - m_shortening * m_course.at(time_s); }
+  /// Of a muscle that has all of the activation, as a share of its length at rest.
+  [[nodiscard]] double shortening_at(double time_s) const { return m_shortening * m_course.at(time_s); }
 
   ActivationCourse m_course;
   double m_shortening;
   LengthConstraints m_constraints;
   std::vector<EdgeParts> m_parts;  ///< by constraint
-  double m_fibre_length = 1;       ///< that the rest lengths are of
+  double m_last_shortening = 0;    ///< that the rest lengths are of
 };
 
 }  // namespace
@@ -66,14 +68,15 @@ std::unique_ptr<Effect> make_activation(const EffectInput& input, const Paramete
   for (const SurfaceEdge& edge : surface_edges(input.mesh)) {
     const Vec3& start = input.mesh.vertices[edge.start];
     const Vec3& end = input.mesh.vertices[edge.end];
-    const std::vector<FibreSegment>& fibres = input.fibres[body_of(input.bodies, edge.start)];
+    const std::size_t body = body_of(input.bodies, edge.start);
+    const std::vector<FibreSegment>& fibres = input.fibres[body];
     const double alignment = alignment_with_nearest_fibre(fibres, 0.5 * (start + end), end - start);
     if (alignment < least_alignment) continue;
     const double squared_m2 = (end - start).squaredNorm();
     const double along_m2 = alignment * alignment * squared_m2;
     const double share = is_per_area ? alignment * relative_area(input.mesh, edge) : alignment;
     constraints.push_back({{edge.start, edge.end}, std::sqrt(squared_m2), 1, compliance / share});
-    parts.push_back({along_m2, std::max(0.0, squared_m2 - along_m2)});
+    parts.push_back({along_m2, std::max(0.0, squared_m2 - along_m2), input.bodies[body].activation});
   }
   return std::make_unique<Activation>(ActivationCourse(parameters), parameters.number("shortening"),
                                       LengthConstraints(constraints, input.order), std::move(parts));

@@ -16,6 +16,7 @@ struct Body {
   int last_node = 0;  ///< one past the last
   std::size_t first_triangle = 0;
   std::size_t last_triangle = 0;  ///< one past the last
+  double activation = 1;          ///< 0 to 1: its share of the activation that the scene's effects give
 
   [[nodiscard]] bool has_node(int node) const { return node >= first_node && node < last_node; }
 };

@@ -182,7 +182,8 @@ void read_fibres(const SceneRequest& request, const TomlTable& table, std::size_
   }
 }
 
-void read_mass_and_velocity(const TomlTable& table, Muscle& muscle) {
+void read_mass_velocity_and_activation(const TomlTable& table, Muscle& muscle) {
+  if (table.has("activation")) muscle.body.activation = table.number("activation", 0, 1);
   if (table.has("density_kg_per_m3")) muscle.density_kg_per_m3 = table.number("density_kg_per_m3", 1e-6, 1e12);
   if (!table.has("velocity_m_per_s")) return;
   constexpr double fastest_m_per_s = 1e6;
@@ -196,7 +197,7 @@ void read_mass_and_velocity(const TomlTable& table, Muscle& muscle) {
 void read_muscles(const SceneRequest& request, const TomlTable& root, Scene& scene) {
   const std::vector<TomlTable> tables = few_enough(root.table_or_tables("muscle"), root, "muscle");
   for (const TomlTable& table : tables) {
-    table.allow_only(body_keys({"name", "mesh", "fibres", "density_kg_per_m3", "velocity_m_per_s"}));
+    table.allow_only(body_keys({"name", "mesh", "fibres", "density_kg_per_m3", "velocity_m_per_s", "activation"}));
     const std::string name = checked_name(table);
     if (std::ranges::any_of(scene.muscles, [&](const Muscle& other) { return other.body.name == name; })) {
       throw InputError(table.location("name"),
@@ -218,7 +219,7 @@ void read_muscles(const SceneRequest& request, const TomlTable& root, Scene& sce
     muscle.file = std::move(file);
     muscle.changes = std::move(welded.changes);
     muscle.node_of_vertex = std::move(welded.welded_vertex);
-    read_mass_and_velocity(table, muscle);
+    read_mass_velocity_and_activation(table, muscle);
     for (int& node : muscle.node_of_vertex) {
       node += node < 0 ? 0 : muscle.body.first_node;
     }

@@ -30,8 +30,10 @@ double published_over_speed(double speed) {
 /// Two triangles that share the volume of a square sheet of 1 m, whose fibres run along x.
 class Sheet {
  public:
-  explicit Sheet(const FibreLaw& law, double inverse_mass = 0)
-      : m_inverse_mass(inverse_mass), m_constraints(constraints(), m_bodies, m_order, law) {}
+  explicit Sheet(const FibreLaw& law, double inverse_mass = 0, double activation = 1)
+      : m_inverse_mass(inverse_mass),
+        m_bodies({{"sheet", 0, 4, 0, 2, activation}}),
+        m_constraints(constraints(), m_bodies, m_order, law) {}
 
   /// A substep at whose start the sheet has the one stretch, and at whose end the other. The nominal stress, Pa, that
   /// the fibres pulled with.
@@ -58,7 +60,7 @@ class Sheet {
 
   double m_inverse_mass;
   std::vector<Vec3> m_rest = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
-  std::vector<Body> m_bodies = {{"sheet", 0, 4, 0, 2}};
+  std::vector<Body> m_bodies;
   NodeOrder m_order{m_rest, m_bodies};
   FibreConstraints m_constraints;
 };
@@ -75,6 +77,17 @@ TEST(FibreConstraints, BearWhatWasPublishedAtAnyLength) {
         EXPECT_NEAR(sheet.stress_pa(stretch, stretch, activation) / law.peak_stress_pa, wanted, 1e-8)
             << optimal << " " << activation << " " << stretch;
       }
+    }
+  }
+}
+
+TEST(FibreConstraints, OfAMuscleWithAShareOfTheActivationBearAsIfThatWereAll) {
+  const FibreLaw law;
+  for (const double share : {0.0, 0.25, 1.0}) {
+    Sheet shared(law, 1, share);
+    Sheet alone(law, 1);
+    for (const double stretch : {1.0, 1.01, 0.99}) {
+      EXPECT_EQ(shared.stress_pa(stretch, stretch, 0.5), alone.stress_pa(stretch, stretch, 0.5 * share)) << share;
     }
   }
 }

@@ -86,6 +86,17 @@ TEST(Activation, FollowsItsCourse) {
   }
 }
 
+TEST(Activation, AMuscleTakesItsShareOfIt) {
+  for (const auto& [share, wanted] : {std::pair(0.0, 1.0), {0.5, 0.8}, {1.0, 0.6}}) {
+    Fixture f = fibred_tube();
+    f.bodies[0].activation = share;
+    const auto activation = f.make("activation", {{"shortening", 0.4}, {"compliance_m_per_n", 0.0}});
+    Nodes p = f.particles();
+    relax(f, p, {activation.get()}, 10, 2000);
+    EXPECT_NEAR(length_m(f, p.predicted) / length_m(f, f.mesh.vertices), wanted, 0.03) << share;
+  }
+}
+
 /// Both ends are held: it cannot shorten, and pulls them with all that its compliance allows.
 TEST(Activation, IsometricKeepsItsLengthAndPullsAtItsEnds) {
   Fixture f = fibred_tube();

@@ -240,11 +240,14 @@ TEST(ReadScene, BonesThatTurnAsOneHaveOneAxisForMomentArms) {
   expect_one_line(error_with("30"), {"needs one axis", "'box' and 'knob' turn in different ways"});
 }
 
-TEST(ReadScene, AMuscleHasADensityAndAVelocityOfItsOwn) {
+TEST(ReadScene, AMuscleHasADensityAVelocityAndAnActivationOfItsOwn) {
   const Scene scene = read_scene(request_of(std::string(box_without_motion) + ball +
-                                            "density_kg_per_m3 = 500.0\nvelocity_m_per_s = [0, 0, -3]\n"));
+                                            "density_kg_per_m3 = 500.0\nvelocity_m_per_s = [0, 0, -3]\n"
+                                            "activation = 0.25\n"));
   EXPECT_EQ(scene.muscles.front().density_kg_per_m3, 500.0);
   EXPECT_EQ(scene.muscles.front().velocity_m_per_s, Vec3(0, 0, -3));
+  EXPECT_EQ(scene.bodies().front().activation, 0.25);
+  expect_one_line(error_of(std::string(box_without_motion) + ball + "activation = 1.5\n"), {"activation", "from 0 to 1"});
   expect_one_line(error_of(std::string(box_without_motion) + ball + "velocity_m_per_s = [0, 0, -1e7]\n"),
                   {"velocity_m_per_s", "1e+06 m/s"});
   expect_one_line(error_of(std::string(box_without_motion) + ball + "density_kg_per_m3 = 0\n"), {"density_kg_per_m3"});
