@@ -52,6 +52,20 @@ def test_a_muscle_alone_holds_what_its_scene_wants(tmp_path, scene):
 
 
 @needs_program
+@pytest.mark.long
+def test_all_muscles_hold_together_what_the_scene_wants(tmp_path):
+    """Eight muscles in contact by nodes, edges and faces."""
+    done = call("run", "ankle/all", "--backend", "bvh", "--out", tmp_path / "run", cwd=tmp_path, timeout=1800)
+    assert done.returncode == 0, done.stderr
+    run = json.loads((tmp_path / "run" / "run.json").read_text())
+    assert run["status"] == "ok", run["status_detail"]
+    outcome = run["outcome"]
+    assert not any(outcome[f"{what}_crossing_triangles"] for what in ("bone", "muscle")) and not outcome["self_intersecting_triangles"]
+    assert outcome["crossing_frames"] == 120 and outcome["max_surface_depth_m"] < 1e-4
+    assert {one["name"]: one.get("activation", 1) for one in run["muscles"]}["soleus"] == 0
+
+
+@needs_program
 def test_a_missing_data_set_is_told(tmp_path):
     done = call("run", "ankle/soleus", "--backend", "bvh", "--out", tmp_path / "run", env={**os.environ, "MUSCLEBENCH_DATASETS": str(tmp_path)})
     assert done.returncode == 2 and "set MUSCLEBENCH_DATASETS to the folder datasets of the sources" in done.stderr

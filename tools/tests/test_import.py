@@ -25,7 +25,7 @@ from musclebench.anatomy.mesh_file import mend, open_edges, read_mesh
 from musclebench.anatomy.opensim import opensim_axis
 from musclebench.anatomy.resolution import decimated
 from musclebench.anatomy.rings import ROOM_MM, ring_around
-from musclebench.anatomy.scene_files import reach_m
+from musclebench.anatomy.scene_files import MusclePart, reach_m, scene_text
 from musclebench.anatomy.self_crossings import crossing_triangles
 from musclebench.anatomy.sewing import Unsewable, border_loops, clipped, sew, without_bays, without_bumps
 from musclebench.anatomy.surface import SignedDistance, Surface, as_vtk, from_vtk, largest_gap, merged
@@ -405,6 +405,7 @@ def test_a_map_gives_scenes_their_tables_and_tendons_their_rings(knee, tmp_path,
 name = "popliteus"
 origin = ["tibia"]
 scene = "[effects.friction]"
+tone = 0.03
 [muscle.tendon]
 to = "femur"
 at = [0, -29, 5]
@@ -413,8 +414,18 @@ rings = [{bone = "tibia", at = [0, -28, 0]}]
 """
     assert run(knee, tmp_path / "out", text=text) in (0, 3), capsys.readouterr().err
     scene = tomllib.loads((tmp_path / "out" / "scenes" / "knee" / "popliteus.toml").read_text())
-    assert scene["loop"] == {"frames": 7} and set(scene["effects"]) == {"friction", "retinaculum"} and "wanted" not in scene
-    assert [ring["bone"] for ring in scene["retinaculum"]] == ["tibia"]
+    assert scene["loop"] == {"frames": 7} and set(scene["effects"]) == {"friction", "activation", "retinaculum"} and "wanted" not in scene
+    assert [ring["bone"] for ring in scene["retinaculum"]] == ["tibia"] and scene["effects"]["activation"]["shortening"] == 0.03
+
+
+def test_muscles_of_one_scene_keep_each_its_tone(tmp_path):
+    (tmp_path / "map.toml").write_text(MAP)
+    anatomy = read_map(tmp_path / "map.toml")
+    muscles = [MusclePart(name, ball(), [], ["tibia"], tone=tone) for name, tone in (("taut", 0.06), ("half", 0.03), ("slack", 0.0))]
+    scene = tomllib.loads(scene_text(anatomy, None, muscles, ""))
+    assert scene["effects"]["activation"]["shortening"] == 0.06
+    assert [one.get("activation", 1) for one in scene["muscle"]] == [1, 0.5, 0]
+    assert "effects" not in tomllib.loads(scene_text(anatomy, None, muscles[2:], ""))
 
 
 def test_a_tendon_that_has_to_go_through_a_bone_is_told():

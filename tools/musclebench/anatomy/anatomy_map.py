@@ -14,6 +14,7 @@ UNITS = {"mm": 1.0, "cm": 10.0, "m": 1000.0}  # millimetres in each
 KINDS = ("bone", "cartilage", "muscle")
 FITS = ("cylinder", "sphere")
 NON_COMMERCIAL = re.compile(r"\bNC\b|non-?commercial", re.IGNORECASE)
+MOST_TONE = 0.6  # as that of the effect `activation`
 
 
 @dataclass
@@ -34,6 +35,7 @@ class MuscleWords:
     insertion: list[str] = field(default_factory=list)
     near_mm: float | None = None
     tendon: TendonWords | None = None
+    tone: float = 0.0  # share of its length by which it wants to be shorter, which takes up slack
     scene: str = ""  # tables of the scenes that have this muscle alone
 
 
@@ -119,7 +121,7 @@ def _pattern(files: MapTable, kind: str, text: str) -> re.Pattern[str]:
 
 
 def _muscle(table: MapTable) -> MuscleWords:
-    table.allow_only("name", "origin", "insertion", "near_mm", "tendon", "scene")
+    table.allow_only("name", "origin", "insertion", "near_mm", "tendon", "tone", "scene")
     near = table.positive("near_mm") if table.get("near_mm") is not None else None
     tendon = None
     if table.get("tendon") is not None:
@@ -130,7 +132,10 @@ def _muscle(table: MapTable) -> MuscleWords:
             ring.allow_only("bone", "at", "room_mm")
             rings.append((ring.word("bone"), ring.point("at"), ring.positive("room_mm", ROOM_MM)))
         tendon = TendonWords(words.word("to"), words.point("at"), words.points("through"), words.positive("radius_mm"), rings)
-    return MuscleWords(table.word("name"), table.words("origin"), table.words("insertion"), near, tendon, table.tables_text("scene"))
+    tone = table.number("tone", 0.0)
+    if not 0 <= tone <= MOST_TONE:
+        raise Problem(f"{table.at('tone')}: has to be from 0 to {MOST_TONE:g}, a share of the muscle's length")
+    return MuscleWords(table.word("name"), table.words("origin"), table.words("insertion"), near, tendon, tone, table.tables_text("scene"))
 
 
 def _joint(table: MapTable) -> JointWords:

@@ -198,7 +198,7 @@ def _attach(result: Anatomy, anatomy: AnatomyMap, name: str, part: Part) -> None
         return
     part.surface, told = moved_out(part.surface, bones, areas)
     part.repairs += told
-    result.muscles.append(MusclePart(name, part.surface, areas, _bones_beside(result, part.surface, areas)))
+    result.muscles.append(MusclePart(name, part.surface, areas, _bones_beside(result, part.surface, areas), tone=words.tone))
 
 
 def _areas(part: Part, words: MuscleWords, near: float, distances: dict[str, Points]) -> list[Area]:

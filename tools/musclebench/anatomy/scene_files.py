@@ -24,6 +24,7 @@ class MusclePart:
     areas: list[Area]
     bones: list[str]  # that it may touch
     rings: list[Ring] = field(default_factory=list)
+    tone: float = 0.0  # share of its length by which it wants to be shorter
 
 
 def scene_text(anatomy: AnatomyMap, joint: Joint | None, muscles: list[MusclePart], effects: str) -> str:
@@ -37,8 +38,11 @@ def scene_text(anatomy: AnatomyMap, joint: Joint | None, muscles: list[MusclePar
             lines += ["[bone.motion]", f"axis = {_point(joint.axis.direction)}", f"centre_m = {_point(joint.axis.centre / 1000)}",
                       f"from_deg = {joint.from_deg:g}", f"to_deg = {joint.to_deg:g}", 'course = "rest_to_rest"']
         lines.append("")
+    tone = max(muscle.tone for muscle in muscles)
     for muscle in muscles:
-        lines += ["[[muscle]]", f"name = {_quoted(muscle.name)}", f"mesh = {_quoted(f'../../meshes/{muscle.name}.ply')}", 'fibres = "between_attachments"', ""]
+        lines += ["[[muscle]]", f"name = {_quoted(muscle.name)}", f"mesh = {_quoted(f'../../meshes/{muscle.name}.ply')}", 'fibres = "between_attachments"']
+        lines += [f"activation = {muscle.tone / tone:.4g}"] if muscle.tone < tone else []
+        lines.append("")
     for muscle in muscles:
         for area in muscle.areas:
             lines += ["[[attachment]]", f"name = {_quoted(f'{muscle.name}_{area.name}' if len(muscles) > 1 else area.name)}",
@@ -50,6 +54,8 @@ def scene_text(anatomy: AnatomyMap, joint: Joint | None, muscles: list[MusclePar
             lines += ["[[retinaculum]]", f"name = {_quoted(f'{muscle.name}_{ring.bone}_{number}')}", f"muscle = {_quoted(muscle.name)}",
                       f"bone = {_quoted(ring.bone)}", f"centre_m = {_point(ring.centre / 1000)}", f"axis = {_point(ring.axis)}",
                       f"radius_m = {ring.radius / 1000:.4g}", f"half_width_m = {ring.half_width / 1000:.4g}", f"slide_m = {SLIDE_MM / 1000:g}", ""]
+    if tone:
+        effects = f"{effects.rstrip()}\n\n[effects.activation]     # a tone that takes up the slack\nshortening = {tone:g}\nrise_s = 0.0\n"
     if any(muscle.rings for muscle in muscles) and "[effects.retinaculum]" not in effects:
         effects = effects.rstrip() + "\n\n[effects.retinaculum]\n"
     text = "\n".join([*lines, effects.strip(), ""])
