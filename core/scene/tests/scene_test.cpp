@@ -247,7 +247,8 @@ TEST(ReadScene, AMuscleHasADensityAVelocityAndAnActivationOfItsOwn) {
   EXPECT_EQ(scene.muscles.front().density_kg_per_m3, 500.0);
   EXPECT_EQ(scene.muscles.front().velocity_m_per_s, Vec3(0, 0, -3));
   EXPECT_EQ(scene.bodies().front().activation, 0.25);
-  expect_one_line(error_of(std::string(box_without_motion) + ball + "activation = 1.5\n"), {"activation", "from 0 to 1"});
+  expect_one_line(error_of(std::string(box_without_motion) + ball + "activation = 1.5\n"),
+                  {"activation", "from 0 to 1"});
   expect_one_line(error_of(std::string(box_without_motion) + ball + "velocity_m_per_s = [0, 0, -1e7]\n"),
                   {"velocity_m_per_s", "1e+06 m/s"});
   expect_one_line(error_of(std::string(box_without_motion) + ball + "density_kg_per_m3 = 0\n"), {"density_kg_per_m3"});
