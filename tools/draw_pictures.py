@@ -8,6 +8,7 @@ from musclebench.anatomy.import_pictures import draw_import
 from musclebench.figures import looks
 from musclebench.pictures.fibre_figure import draw_fibres, name_of
 from musclebench.pictures.surface_figures import draw_surface_figures
+from musclebench.population.pictures import draw_broken
 from musclebench.program.cli import Problem
 from musclebench.program.registry import saved_registry
 from musclebench.results import run_folder
@@ -17,11 +18,14 @@ KINDS = {
     "fibres": lambda runs, folder, say: draw_fibres({name_of(run): run for run in runs}, folder / "fibres", say),
 }
 IMPORT = "import"  # no runs: a folder of tools/import
+POPULATION = "population"  # runs that did not hold
 
 
 def draw(kind: str, out_dir: Path, names: list[str], say) -> list[Path]:
     if kind == IMPORT:
         return draw_import(out_dir, say)
+    if kind == POPULATION:
+        return draw_broken(run_folder.read_all([out_dir / "raw" / name for name in names]), out_dir, say)
     looks.know(saved_registry(out_dir))
     return KINDS[kind](run_folder.read_all([out_dir / "raw" / name for name in names]), out_dir / "figures", say)
 

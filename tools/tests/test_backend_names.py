@@ -18,6 +18,7 @@ OUTSIDE = "outside"  # each folder in it is a backend's own, too
 OF_LIBRARY = {Path("tools/import.py"): "vtk", Path("bench/experiments/speed.toml"): "embree",
               Path("bench/micro/embree_benchmark.cpp"): "embree",
               Path("cmake/check_includes.py"): "embree", Path("tools/musclebench/options/report.py"): "vtk",
+              Path("tools/population.py"): "vtk",
               Path("tools/musclebench/pictures/in_display.py"): "vtk",
               Path("tools/musclebench/program/optional_packages.py"): "vtk"}
 

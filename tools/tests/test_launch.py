@@ -10,10 +10,11 @@ import pytest
 from copied_tools import PROJECT
 from musclebench.page.bundle import script_file
 
-TOOLS = ("accuracy", "board", "bundle", "compare", "budget", "effects", "experiment", "fuzz", "hard", "import", "moment-arms", "mutants", "nightly", "paper",
-         "publish", "release", "report", "safe-step", "speed")
+TOOLS = ("accuracy", "board", "bundle", "compare", "budget", "effects", "experiment", "fuzz", "hard", "import", "moment-arms", "mutants", "nightly",
+         "paper", "population", "publish", "release", "report", "safe-step", "speed")
 NEEDED_WORDS = {"board": (".",), "bundle": (".",),
                 "import": (".", "--map", "tools/pyproject.toml", "--out", "new"), "compare": ("HEAD", "HEAD"), "experiment": ("paper",),
+                "population": ("ankle/soleus", "--shape", "size=5"),
                 "release": ("1.0.0",), "report": (".",), "safe-step": ("hard/step_size",)}
 PACKAGES = {"numpy", "pandas", "scipy", "matplotlib", "vtk", "vtkmodules", "jinja2", "PIL"}
 # Hides packages from every Python that has its folder on the path.
@@ -105,6 +106,7 @@ def test_help_needs_nothing(fresh, name):
     ("experiment", ("papper",), "'papper': no experiment of that name; did you mean 'paper'?"),
     ("experiment", ("tools/pyproject.toml",), "tools/pyproject.toml: line"),
     ("experiment", ("paper", "--merge", "/nowhere"), "/nowhere: no such folder"),
+    ("population", ("ankle/soleus",), "--shape is missing"), ("population", ("ankle/soleus", "--shape", "scael=5"), "there is no kind 'scael'"),
     ("moment-arms", ("--experiment", "bench/experiments/paper.toml"), "needs mode run"),
     ("nightly", ("--append", "/nowhere"), "/nowhere: no such folder of a night"),
     ("compare", ("HEAD", "no-such-branch"), "no-such-branch: neither a folder of results nor a revision"),
@@ -133,7 +135,7 @@ def test_what_the_disk_tells_is_told_before_the_build(fresh, name, words, told):
 
 @pytest.mark.parametrize(("name", "words", "calls"), [
     *((name, NEEDED_WORDS.get(name, ()), ["setup", RELEASE])
-      for name in ("accuracy", "budget", "effects", "experiment", "hard", "moment-arms", "nightly", "paper", "safe-step")),
+      for name in ("accuracy", "budget", "effects", "experiment", "hard", "moment-arms", "nightly", "paper", "population", "safe-step")),
     ("speed", (), ["setup", "build bench"]),
     ("publish", ("--quick",), ["setup", "build bench"]),
     ("fuzz", ("--seconds", "1"), ["setup clang", "build fuzz"]),

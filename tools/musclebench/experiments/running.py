@@ -79,16 +79,17 @@ def check_space(cases: list[Case], out_dir: Path) -> None:
                       "make room, choose another --out or fewer muscles")
 
 
-def sweep_of(file: ExperimentFile, options, registry: Registry, folders: Folders, quick_muscle: str | None = None) -> Sweep:
-    """`options`: data, scene, muscle, musclebench, force; frames_limit, repetitions, micro, any_build where a command has them;
-    one without any_build uses no times."""
+def sweep_of(file: ExperimentFile, options, registry: Registry, folders: Folders, quick_muscle: str | None = None,
+             scenes: Scenes | None = None) -> Sweep:
+    """`scenes`: those of the experiment, where they are known already. `options`: data, scene, muscle, musclebench, force;
+    frames_limit, repetitions, micro, any_build where a command has them; one without any_build uses no times."""
     data_set = data_set_of(options)
     if options.scene or options.muscle or quick_muscle:
         file = file.on(tuple(chosen_names(options.scene, options.muscle, data_set, registry, quick_muscle)))
     if getattr(options, "repetitions", None):
         file = replace(file, repetitions=options.repetitions)
     file = replace(file, frames_limit=getattr(options, "frames_limit", None) or file.frames_limit)
-    scenes = Scenes(options.musclebench, registry, folders, data_set, file.frames_limit or None)
+    scenes = scenes or Scenes(options.musclebench, registry, folders, data_set, file.frames_limit or None)
     experiment = SweptExperiment(options.musclebench, folders, file.answers, options.force, getattr(options, "micro", None),
                                  getattr(options, "keep_cases", False))
     expansion = Expansion(file, registry, scenes)
