@@ -46,7 +46,14 @@ class KeptCrossings {
   /// As the shape is; touching counts.
   PassingTriangles touching(const Snapshot& shape) { return sums(shape, shape.positions); }
 
-  /// Of `touching`, those that pass; only where there are more than `known`, of each kind.
+  /// From now on what touches in this shape excuses triangles there, and nowhere else (CrossingMeter::beyond_rest).
+  void take_as_rest(const Snapshot& shape) {
+    touching(shape);
+    m_meter.take_as_rest();
+    m_has_rest = true;
+  }
+
+  /// Of `touching`, those that pass, beyond rest; only where there are more than `known`, of each kind.
   PassingTriangles passing(const Snapshot& shape, const PassingTriangles& touching, const PassingTriangles& known,
                            double declared_m) {
     const double touching_m = touching_share * m_run.diagonal_m();
@@ -67,7 +74,9 @@ class KeptCrossings {
  private:
   PassingTriangles sums(const Snapshot& shape, const std::vector<Vec3>& positions) {
     m_tree.refit(m_run.scene.muscle_mesh.triangles, positions);
-    const CrossingSums sums = sums_of(m_meter.pairs(), m_meter.count(m_referee, m_tree, shape.bone_poses, positions));
+    std::vector<int> counts = m_meter.count(m_referee, m_tree, shape.bone_poses, positions);
+    if (m_has_rest) counts = m_meter.beyond_rest();
+    const CrossingSums sums = sums_of(m_meter.pairs(), counts);
     return {sums.in_bones, sums.in_muscles.value_or(0), sums.in_itself};
   }
 
@@ -102,6 +111,7 @@ class KeptCrossings {
   RefereeTree m_tree;
   std::vector<Body> m_bodies;
   CrossingMeter m_meter;
+  bool m_has_rest = false;
 };
 
 /// By frame, what the judge has counted, in which what only touches counts, too.
@@ -127,8 +137,8 @@ PassingTriangles passing_triangles(const MovedScene& run, double declared_m) {
   if (shapes.empty() || run.scene.muscle_mesh.triangles.empty()) return {};
   KeptCrossings crossings(run);
   const std::vector<PassingTriangles> touching = touching_triangles(run, crossings);
-  const PassingTriangles at_rest = crossings.passing(shapes.front(), touching.front(), {}, declared_m);
-  PassingTriangles largest = at_rest;
+  crossings.take_as_rest(shapes.front());
+  PassingTriangles largest;
   std::vector<std::size_t> order(shapes.size());  // most first, which spares the others
   std::iota(order.begin(), order.end(), 0);
   const auto sum = [&](std::size_t i) { return touching[i].bones + touching[i].muscles + touching[i].itself; };
@@ -139,7 +149,7 @@ PassingTriangles passing_triangles(const MovedScene& run, double declared_m) {
     largest.muscles = std::max(largest.muscles, now.muscles);
     largest.itself = std::max(largest.itself, now.itself);
   }
-  return {largest.bones - at_rest.bones, largest.muscles - at_rest.muscles, largest.itself - at_rest.itself};
+  return largest;
 }
 
 std::vector<HardFigure> sane_figures(const MovedScene& run, const HardRequest& request, const std::string& words,

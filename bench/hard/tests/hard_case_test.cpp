@@ -17,8 +17,10 @@
 #include "bench/cases/scene_source.hpp"
 #include "bench/hard/cell_process.hpp"
 #include "bench/hard/hard_matrix.hpp"
+#include "bench/hard/sane_figures.hpp"
 #include "bench/hard/tests/broken_backend.hpp"
 #include "core/base/input_error.hpp"
+#include "core/mesh/mesh_size.hpp"
 
 namespace musclebench {
 namespace {
@@ -63,6 +65,28 @@ TEST(HardCase, TheWorstFigureIsTheOneFarthestBeyondItsBar) {
   EXPECT_EQ(worst_figure({Verdict::breaks, "", {{"a", 0.5, 1}, {"b", 1, 0}}})->name, "b");
   EXPECT_EQ(worst_figure({Verdict::breaks, "", {{"a", 1, 0}, {"b", 30, 0}}})->name, "b");
   EXPECT_EQ(worst_figure({}), nullptr);
+}
+
+/// A block that lies half in its plate, and then as far in it with its other half.
+TEST(SaneFigures, TrianglesThatPassAtRestExcuseNoOthers) {
+  MovedScene run{load_scene(scene_of("hard/resting_contact")), {}};
+  const Eigen::AlignedBox3d plate = bounding_box(run.scene.bone_meshes.front().mesh.vertices);
+  const Vec3 middle = bounding_box(run.scene.muscle_mesh.vertices).center();
+  const Vec3 top(plate.center().x(), plate.center().y(), plate.max().z());
+  Snapshot half_in;
+  Snapshot turned;
+  half_in.bone_poses = turned.bone_poses = std::vector<RigidMotion>(run.scene.bones.size());
+  for (const Vec3& node : run.scene.muscle_mesh.vertices) {
+    const Vec3 off = node - middle + Vec3(0, 0, 1e-4);
+    half_in.positions.emplace_back(top + off);
+    turned.positions.emplace_back(top + Vec3(off.x(), -off.y(), -off.z()));
+  }
+  run.result.snapshots = {half_in, half_in};
+  run.result.records.resize(1);
+  EXPECT_EQ(passing_triangles(run, 0).bones, 0);
+  run.result.snapshots.push_back(turned);
+  run.result.records.resize(2);
+  EXPECT_GT(passing_triangles(run, 0).bones, 10);
 }
 
 TEST(HardCell, IsPackedIntoALineAndBack) {
