@@ -252,6 +252,10 @@ void CoupledJudge::judge_nodes(const Simulation& simulation, StepRecord& record)
         deepest != m_in_muscles.end()) {
       record.in_muscles_bodies = {static_cast<int>(body_of(m_all_bodies, deepest->node)), deepest->bone};
     }
+    record.depths_in_muscles_m.assign(m_crossings.pairs().size(), 0.0);
+    for (const Contact& contact : m_in_muscles) {
+      raise_depth(record, {static_cast<int>(body_of(m_all_bodies, contact.node)), contact.bone}, contact.depth_m);
+    }
     record.passed_nodes = m_passing->update(*m_muscle_referee, positions);
     m_work += m_passing->last_work();
   }
@@ -302,15 +306,44 @@ void CoupledJudge::judge_surfaces_in_muscles(const Simulation& simulation, StepR
     const auto muscle = static_cast<std::size_t>(body_of_triangle(m_all_bodies, candidate.triangle));
     return !std::ranges::binary_search(m_muscle_referee->beside(muscle), candidate.other);
   });
-  const long queries = least_queries + static_cast<long>(queries_of_a_triangle * candidates.size());
-  const DeepestInMuscle deepest = deepest_in_muscles(*m_muscle_referee, m_triangles, simulation.positions(), candidates,
-                                                     depth_tolerance * m_smallest_diagonal_m, queries);
-  record.muscle_surface_depth_m = deepest.depth_m;
-  const bool is_decided = deepest.complete || deepest.bound_m <= outcome_limit("depth_share") * m_smallest_diagonal_m;
-  record.judgement_complete = record.judgement_complete && is_decided;
-  if (deepest.triangle >= 0) {
-    record.muscle_surface_bodies = {body_of_triangle(m_all_bodies, deepest.triangle), deepest.other};
+  const auto bodies_of = [&](const TriangleInMuscle& candidate) {
+    return DeepBodies{body_of_triangle(m_all_bodies, candidate.triangle), candidate.other};
+  };
+  const auto pair = [&](const TriangleInMuscle& candidate) { return muscle_pair(bodies_of(candidate)); };
+  std::ranges::stable_sort(candidates, {}, pair);
+  record.muscle_surface_depth_m = 0;
+  // Pair by pair: a deep overlap that the scene has at rest must not hide a new one.
+  for (auto first = candidates.begin(); first != candidates.end();) {
+    const auto last =
+        std::find_if(first, candidates.end(), [&](const auto& other) { return pair(other) != pair(*first); });
+    const std::span<const TriangleInMuscle> own(first, last);
+    const long queries = least_queries + static_cast<long>(queries_of_a_triangle * own.size());
+    const DeepestInMuscle deepest = deepest_in_muscles(*m_muscle_referee, m_triangles, simulation.positions(), own,
+                                                       depth_tolerance * m_smallest_diagonal_m, queries);
+    const bool is_decided = deepest.complete || deepest.bound_m <= outcome_limit("depth_share") * m_smallest_diagonal_m;
+    record.judgement_complete = record.judgement_complete && is_decided;
+    first = last;
+    if (deepest.triangle < 0) continue;
+    const DeepBodies bodies = bodies_of({deepest.triangle, deepest.other});
+    raise_depth(record, bodies, deepest.depth_m);
+    if (deepest.depth_m <= record.muscle_surface_depth_m) continue;
+    record.muscle_surface_depth_m = deepest.depth_m;
+    record.muscle_surface_bodies = bodies;
   }
+}
+
+std::size_t CoupledJudge::muscle_pair(const DeepBodies& bodies) const {
+  const auto [first, second] = std::minmax(bodies.muscle, bodies.other);
+  const auto pairs = m_crossings.pairs();
+  const auto found = std::ranges::find_if(pairs, [&](const CrossingPair& pair) {
+    return pair.kind == CrossedSurface::muscle && pair.muscle == first && pair.other == second;
+  });
+  return static_cast<std::size_t>(found - pairs.begin());
+}
+
+void CoupledJudge::raise_depth(StepRecord& record, const DeepBodies& bodies, double depth_m) const {
+  double& deepest_m = record.depths_in_muscles_m.at(muscle_pair(bodies));
+  deepest_m = std::max(deepest_m, depth_m);
 }
 
 void CoupledJudge::judge_bodies(const Simulation& simulation, std::span<const Contact> in_bones,

@@ -107,6 +107,9 @@ class CoupledJudge {
   void judge_misses(const LastDetection& detection, StepRecord& record) const;
   void judge_crossings(const Simulation& simulation, CrossingTest test, StepRecord& record);
   void judge_surfaces_in_muscles(const Simulation& simulation, StepRecord& record);
+  /// Of `CrossingMeter::pairs`, by two muscles in either order.
+  [[nodiscard]] std::size_t muscle_pair(const DeepBodies& bodies) const;
+  void raise_depth(StepRecord& record, const DeepBodies& bodies, double depth_m) const;
 
   Referee m_referee;
   std::optional<MuscleReferee> m_muscle_referee;  // where muscles touch

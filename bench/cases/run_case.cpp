@@ -143,6 +143,7 @@ class CaseRunner {
     rest.in_muscles = judged.in_muscles;
     rest.depth_bodies = judged.depth_bodies;
     rest.in_muscles_bodies = judged.in_muscles_bodies;
+    rest.depths_in_muscles_m = judged.depths_in_muscles_m;
     const auto pairs = m_judge->crossing_pairs();
     rest.crossing_pairs.assign(pairs.begin(), pairs.end());
     rest.crossings = judged.crossings;

@@ -65,7 +65,7 @@ class FrameFigures {
     if (m_frame.passed_nodes) {
       add({Requirement::muscle_passage, static_cast<double>(*m_frame.passed_nodes), 0, "nodes through another muscle"});
     }
-    if (m_frame.in_muscles) add_muscle_depth(m_frame.in_muscles->max_depth_m, m_frame.in_muscles_bodies);
+    add_muscle_depths();
   }
 
   void add_bone_depth(double depth_m, const DeepBodies& bodies, bool is_bound = false) {
@@ -76,11 +76,15 @@ class FrameFigures {
          .is_bound = is_bound});
   }
 
-  /// No effect can undo what the scene lays into each other: settle_substeps or another place do.
-  void add_muscle_depth(double depth_m, const DeepBodies& bodies) {
-    const double limit_m = std::max(m_scene.wanted.surface_m, m_rest.in_muscles ? m_rest.in_muscles->max_depth_m : 0);
-    add({Requirement::muscle_depth, std::isfinite(depth_m) ? depth_m : 0, limit_m,
-         fmt::format("{} in {}", muscle(bodies.muscle), muscle(bodies.other))});
+  /// No effect can undo how deep the scene lays two muscles into each other: settle_substeps or another place do.
+  void add_muscle_depths() {
+    for (std::size_t i = 0; i < m_frame.depths_in_muscles_m.size() && i < m_rest.crossing_pairs.size(); ++i) {
+      const CrossingPair& pair = m_rest.crossing_pairs[i];
+      if (pair.kind != CrossedSurface::muscle) continue;
+      const double at_rest_m = i < m_rest.depths_in_muscles_m.size() ? m_rest.depths_in_muscles_m[i] : 0;
+      add({Requirement::muscle_depth, m_frame.depths_in_muscles_m[i], std::max(m_scene.wanted.surface_m, at_rest_m),
+           fmt::format("{} in {}", muscle(pair.muscle), muscle(pair.other))});
+    }
   }
 
   /// Where the Referee could not look everywhere, the bound that is left counts: a depth below it can't be excluded.
@@ -91,7 +95,6 @@ class FrameFigures {
     add_bone_depth(is_known ? m_frame.bone_vertex_depth_m : m_frame.bone_vertex_depth_bound_m,
                    m_frame.bone_vertex_bodies, !is_known);
     add_bone_depth(m_frame.thin_bone_depth_m, m_frame.thin_bone_bodies);
-    if (m_frame.in_muscles) add_muscle_depth(m_frame.muscle_surface_depth_m, m_frame.muscle_surface_bodies);
   }
 
   void add_crossings() {

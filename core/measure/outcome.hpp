@@ -20,9 +20,10 @@ struct MuscleAtRest {
   double mean_edge_length_m = 0;    ///< 0: unknown
   int free_nodes = 0;
   int triangles = 0;
-  std::vector<CrossingPair> crossing_pairs;  ///< whose crossings are judged; none where nobody judges
-  std::vector<int> crossings;                ///< of each before the first frame
-  std::vector<SharedFaces> shared_faces;     ///< of each two muscles that have some
+  std::vector<CrossingPair> crossing_pairs;      ///< whose crossings are judged; none where nobody judges
+  std::vector<int> crossings;                    ///< of each before the first frame
+  std::vector<double> depths_in_muscles_m = {};  ///< as StepRecord has them
+  std::vector<SharedFaces> shared_faces;         ///< of each two muscles that have some
   std::vector<MuscleSize> muscles;
   std::vector<BoneSize> bones;
   std::vector<std::pair<int, int>> touching;  ///< muscles whose contact the scene asks for, the lower index first

@@ -75,6 +75,9 @@ struct StepRecord {
   /// Deepest point of a muscle's surface in another that it touches; NaN: not tested in this frame.
   double muscle_surface_depth_m = std::numeric_limits<double>::quiet_NaN();
   DeepBodies muscle_surface_bodies;
+  /// Of each pair of CrossingMeter::pairs of two muscles that touch: the deepest point of one in the other, of nodes
+  /// alone where surfaces were not tested; 0 for other pairs. None: no muscles touch.
+  std::vector<double> depths_in_muscles_m;
   std::optional<int> passed_nodes;  ///< went through another muscle since the last judged frame, see PassingTracker
   int tunnelled_nodes = 0;          ///< that went through a bone and have not come back, see TunnellingTracker
   int stuck_nodes = 0;              ///< in this frame, see count_stuck_nodes

@@ -131,11 +131,17 @@ TEST(FiguresOfFrame, MusclesMayBeAsDeepInEachOtherAsAtRest) {
   const Scene scene = balls();
   MuscleAtRest rest = rest_of_two();
   StepRecord frame = judged_frame();
-  frame.in_muscles = DepthStatistics{.nodes_inside = 3, .max_depth_m = 8e-4};
-  frame.in_muscles_bodies = {0, 1};
+  frame.depths_in_muscles_m = {0, 0, 8e-4, 0};
   EXPECT_FALSE(found(figures_of_frame(scene, frame, rest), Requirement::muscle_depth).holds());
-  rest.in_muscles = DepthStatistics{.nodes_inside = 3, .max_depth_m = 8e-4};
+  rest.depths_in_muscles_m = {0, 0, 8e-4, 0};
   EXPECT_TRUE(found(figures_of_frame(scene, frame, rest), Requirement::muscle_depth).holds());
+  // Two of them no others.
+  rest.crossing_pairs.push_back({1, CrossedSurface::muscle, 0, 0});
+  rest.depths_in_muscles_m.push_back(0);
+  frame.depths_in_muscles_m.push_back(3e-4);
+  const RequiredFigure other = found(figures_of_frame(scene, frame, rest), Requirement::muscle_depth);
+  EXPECT_FALSE(other.holds());
+  EXPECT_EQ(other.text(), "other in ball is 0.3 mm deep (at 20 degrees, frame 4; wanted 0.1 mm)");
 }
 
 /// A run of made-up frames whose muscle ends `moved_m` from where it began.
