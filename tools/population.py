@@ -2,6 +2,7 @@
 """Makes members of a population, runs each with each setting, and says which hold. Options: musclebench/options/population.py."""
 
 import argparse
+import hashlib
 import json
 import shlex
 import shutil
@@ -14,42 +15,83 @@ from musclebench.experiments.command import chosen, print_plan
 from musclebench.experiments.experiment_file import of_project
 from musclebench.experiments.running import Sweep, limits_of, sweep_of
 from musclebench.experiments.swept_case import SweptCase
+from musclebench.experiments.swept_experiment import RESULT_DIRS
 from musclebench.options.population import TOOL, parse_arguments
 from musclebench.pictures.in_display import draw_in_display
-from musclebench.population.base_scene import read_base_scene
-from musclebench.population.members import Family, joint_words
+from musclebench.population.base_scene import BaseScene, read_base_scene
+from musclebench.population.members import ABOUT, Family, words_of
 from musclebench.population.report import (
     Endings, Ending, answer, best_setting, broken_table, endings_of, members_table, settings_table,
 )
 from musclebench.population.running import MEMBERS, MemberScenes, is_told, survey_members, with_settings
 from musclebench.population.shapes import drawn_amounts
+from musclebench.population.toml_text import toml_text
 from musclebench.program.cli import Problem, run_command
-from musclebench.program.fingerprint import write_whole
+from musclebench.program.fingerprint import status_when_sealed, write_whole
 from musclebench.program.optional_packages import require
+from musclebench.program.out_folder import claimed_by_command
 from musclebench.program.registry import read_registry
 from musclebench.program.talker import Talker
 from musclebench.results.run_folder import ResultProblem, read_run
 from musclebench.tables.table_formats import as_text, write_table
 
 TOLD = "population.json"
+PICTURES = "broken"
 MOST_PICTURES = 12
 PICTURE_SECONDS = 900
 
 
-def make_members(options, out: Path, numbers: list[int], say: Talker) -> tuple[dict[int, Path], list[str]]:
-    """{number: scene file}, and what is known of the joints."""
-    say("reading the scene")
-    base = read_base_scene(options.scene, options.musclebench, options.data)
+def digest_of(base: BaseScene) -> str:
+    """Of its tables and shapes."""
+    found = hashlib.sha256(toml_text(base.tables).encode())
+    for points in [*(part for one in [*base.bones.values(), *base.muscles.values()] for part in (one.vertices, one.triangles)), *base.outlines]:
+        found.update(points.tobytes())
+    for lines in base.fibres.values():
+        found.update(b"".join(line.tobytes() for line in lines))
+    return found.hexdigest()
+
+
+def claim(options, base: BaseScene) -> None:
+    """The folder is of this population from here on, or it is refused."""
+    now = {"scene_sha256": digest_of(base), "shapes": [shape.words for shape in options.shape], "seed": options.seed}
+    path = options.out / TOLD
+    try:
+        before = json.loads(path.read_text(encoding="utf-8")).get("of")
+    except (OSError, ValueError):
+        before = None
+    if before is None and (options.out / MEMBERS).is_dir():
+        raise Problem(f"{options.out}: has a folder {MEMBERS} of something else; choose another --out")
+    if before is not None and before != now:
+        names = {"scene_sha256": "another scene", "shapes": "other shapes", "seed": "another seed"}
+        if not options.force:
+            differ = ", ".join(words for key, words in names.items() if before.get(key) != now[key])
+            raise Problem(f"{options.out}: holds a population of {differ}; choose another --out, or replace it with --force")
+        for about in (options.out / MEMBERS).glob(f"*/{ABOUT}"):
+            shutil.rmtree(about.parent)
+    told = {"scene": options.scene, "of": now}
+    write_whole(path, json.dumps(told if before != now else json.loads(path.read_text(encoding="utf-8")), indent=1) + "\n")
+
+
+def make_members(options, base: BaseScene, numbers: list[int], say: Talker) -> dict[int, Path]:
+    """{number: scene file}. Those that are there stay as they are."""
     say("fitting joints")
     family = Family(base, options.shape, options.seed)
+    print("\n".join(words_of(family)), flush=True)
     files = {}
     for place, number in enumerate(numbers, start=1):
-        folder = out / MEMBERS / f"{base.name}-m{number:0{len(str(options.members))}d}"
-        shutil.rmtree(folder, ignore_errors=True)
-        files[number] = family.member(number, folder).scene
+        folder = options.out / MEMBERS / f"{base.name}-m{number:04d}"
+        if not (folder / ABOUT).is_file():
+            if folder.exists():
+                shutil.rmtree(folder) if not any(one.is_file() for one in folder.rglob("*")) else half_made(folder)
+            family.member(number, folder)
+        files[number] = folder / f"{folder.name}.toml"
         if is_told(place, len(numbers)):
             say(f"{place} of {len(numbers)} members made")
-    return files, joint_words(family.joints)
+    return files
+
+
+def half_made(folder: Path) -> None:
+    raise Problem(f"{folder}: is not whole, or is none of this tool's; remove it")
 
 
 def sweep(options, scenes: MemberScenes) -> Sweep:
@@ -60,30 +102,47 @@ def sweep(options, scenes: MemberScenes) -> Sweep:
     return sweep_of(file, asked, registry, folders_of(options, "population"), scenes=scenes)
 
 
-def endings(found: Sweep, scenes: MemberScenes) -> Endings:
-    cases = [case for case in found.cases if isinstance(case, SweptCase)]
+def cases_of(found: Sweep) -> list[SweptCase]:
+    return [case for case in found.cases if isinstance(case, SweptCase)]
+
+
+def endings(found: Sweep, scenes: MemberScenes, ran: list[SweptCase]) -> Endings:
+    """`ran`: in this call; what an earlier one left counts only where it is of just these cases."""
     done = found.done(*(group.name for group in found.file.groups))
     runs = {case: read_run(folder) for case, folder in done.items()}
-    records = {case: found.experiment.run_record(case) for case in cases if case not in runs}
-    return endings_of(cases, runs, records, scenes.numbers, scenes.refused)
+    experiment = found.experiment
+    records = {case: experiment.run_record(case) for case in cases_of(found) if case not in runs
+               and (case in ran or status_when_sealed(experiment.folder(case), experiment.print_of(case)))}
+    return endings_of(cases_of(found), runs, records, scenes.numbers, scenes.refused)
 
 
 def commands_of(found: Sweep, scenes: MemberScenes) -> dict[tuple[str, int], list[str]]:
     """What runs a case again, by setting and member."""
-    cases = [case for case in found.cases if isinstance(case, SweptCase)]
     return {(case.configuration.label, scenes.numbers[case.scene.name]): [str(found.experiment.binary), *case.arguments(found.experiment.folders)]
-            for case in cases}
+            for case in cases_of(found)}
+
+
+def run_all(found: Sweep, scenes: MemberScenes, cases: list[SweptCase], options) -> list[str]:
+    """A line for each without a result. The scene itself goes first: what it can't be run with, no member can."""
+    limits = limits_of(options)
+    first = [case for case in cases if scenes.numbers[case.scene.name] == 0]
+    if first and len(first) < len(cases):
+        found.run(first, limits)
+        for case in first:
+            record = found.experiment.run_record(case)
+            if record.get("status") == "failed":
+                raise Problem(f"{case.configuration.label}: {record.get('status_detail')}; no member was run")
+    return found.run(cases, limits)
 
 
 def draw(told: Endings, commands: dict[tuple[str, int], list[str]], out: Path, say: Talker) -> dict[tuple[str, int], Path]:
     """Runs what did not hold again, for its shape at rest and where it was worst; a picture each, of the first few."""
     broken = [(setting, number, one) for setting, by_member in told.items() for number, one in sorted(by_member.items())
               if number > 0 and one.run is not None and not one.holds]
-    folder, names = out / "broken", {}
-    shutil.rmtree(folder, ignore_errors=True)
+    folder, names = out / PICTURES, {}
     for setting, number, one in broken[:MOST_PICTURES]:
         say(f"running member {number} with {setting} again, for its picture")
-        name = f"m{number}-{setting}"
+        name = f"m{number:04d}-{setting}"
         if shape_again(commands[setting, number], one, folder / "raw" / name):
             names[setting, number] = name
     if not names:
@@ -109,24 +168,33 @@ def shape_again(command: list[str], one: Ending, folder: Path) -> bool:
     return (folder / "run.json").is_file()
 
 
-def report(options, found: Sweep, scenes: MemberScenes, problems: list[str], say: Talker) -> int:
-    out = found.experiment.folders.out_dir
-    told = endings(found, scenes)
+def report(options, found: Sweep, scenes: MemberScenes, ran: list[SweptCase], problems: list[str], say: Talker) -> int:
+    told = endings(found, scenes, ran)
     amounts = {number: drawn_amounts(options.shape, number, options.seed) if number else [] for by_member in told.values() for number in by_member}
     settings = settings_table(told, options.scene)
     commands = commands_of(found, scenes)
-    pictures = {} if options.no_pictures or options.report_only else draw(told, commands, out, say)
+    pictures = {} if options.no_pictures or options.report_only else draw(told, commands, options.out, say)
     spelled = {key: shlex.join(words) for key, words in commands.items()}
     tables = [settings, members_table(told, options.shape, amounts), broken_table(told, spelled, pictures)]
     words = answer(settings, told, options.hold)
-    files = [path for table in tables for path in write_table(table, out)]
+    if left := sum(len(scenes.scenes) + len(scenes.refused) - len(by_member) for by_member in told.values()):
+        words += f" {left} runs have no result, and do not count."
+    files = [path for table in tables for path in write_table(table, options.out)]
     best = best_setting(settings, options.hold)
-    plan = {"scene": options.scene, "shapes": [shape.words for shape in options.shape], "seed": options.seed, "members": options.members,
-            "hold_percent": options.hold, "setting": None if best is None else best["setting"], "answer": words,
-            "refused": {str(number): why for number, why in scenes.refused.items()}}
-    write_whole(out / TOLD, json.dumps(plan, indent=1) + "\n")
+    plan = json.loads((options.out / TOLD).read_text(encoding="utf-8")) | {
+        "hold_percent": options.hold, "setting": None if best is None else best["setting"], "answer": words,
+        "refused": {str(number): why for number, why in scenes.refused.items()}}
+    write_whole(options.out / TOLD, json.dumps(plan, indent=1) + "\n")
     print(f"\n{as_text(settings)}\n\n{words}")
-    return max(end("population", [*files, *pictures.values(), out / TOLD], problems), 0 if best is not None else 1)
+    return max(end("population", [*files, *pictures.values(), options.out / TOLD], problems), 0 if best is not None else 1)
+
+
+def tell(found: Sweep, scenes: MemberScenes, ran: list[SweptCase]) -> int:
+    """Of --only: how each ended; the tables stay those of all members."""
+    lines = [(setting, number, one) for setting, by_member in endings(found, scenes, ran).items() for number, one in sorted(by_member.items())]
+    for setting, number, one in lines:
+        print(f"member {number} with {setting}: {one.status}{f': {one.detail}' if one.detail else ''}")
+    return 0 if all(one.holds for _, _, one in lines) else 1
 
 
 def make(options) -> int:
@@ -137,27 +205,32 @@ def make(options) -> int:
     say = Talker("population")
     if options.report_only:
         require_results(options.out)
+    say("reading the scene")
+    base = read_base_scene(options.scene, options.musclebench, options.data)
     numbers = options.only or list(range(options.members + 1))
-    files, joints = make_members(options, options.out, numbers, say)
-    for words in joints:
-        print(words)
-    if options.make_only:
-        print(f"{len(files)} members in {options.out / MEMBERS}, such as {files[numbers[-1]]}")
-        return 0
-    scenes = survey_members(files, options, read_registry(options.musclebench), folders_of(options, "population"), say)
-    for number, why in scenes.refused.items():
-        print(f"population: member {number} is refused: {why}", file=sys.stderr)
-    found = sweep(options, scenes)
-    cases = chosen(found, options.shard)
-    limits = limits_of(options)
-    if options.dry_run:
-        print_plan(cases, found, len(limits.cores))
-        return 0
-    problems = [] if options.report_only else found.run(cases, limits)
-    if options.shard != (1, 1):
-        print(f"This is part {options.shard[0]} of {options.shard[1]}: tools/experiment population --merge joins them, --report-only then writes the tables")
-        return 1 if problems else 0
-    return report(options, found, scenes, problems, say)
+    with claimed_by_command(options.out, *RESULT_DIRS):
+        claim(options, base)
+        files = make_members(options, base, numbers, say)
+        if options.make_only:
+            print(f"{len(files)} members in {options.out / MEMBERS}, such as {files[numbers[-1]]}")
+            return 0
+        scenes = survey_members(files, options, read_registry(options.musclebench), folders_of(options, "population"), say)
+        for number, why in scenes.refused.items():
+            print(f"population: member {number} is refused: {why}", file=sys.stderr)
+        found = sweep(options, scenes)
+        cases = chosen(found, options.shard)
+        if options.dry_run:
+            print_plan(cases, found, len(limits_of(options).cores))
+            return 0
+        ran = [] if options.report_only else cases
+        problems = run_all(found, scenes, cases, options) if ran else []
+        if options.shard != (1, 1):
+            print(f"This is part {options.shard[0]} of {options.shard[1]}. `tools/experiment population --merge` joins the parts; the same command with "
+                  "--report-only then writes the tables")
+            return 1 if problems else 0
+        if options.only:
+            return max(tell(found, scenes, ran), 1 if problems else 0)
+        return report(options, found, scenes, ran, problems, say)
 
 
 def main(arguments=None) -> int:

@@ -19,8 +19,8 @@ struct SaneBars {
   bool status = true;         ///< whether the run has to end with the status ok
 };
 
-/// Triangles that pass through bones, through other muscles or through their own muscle; the most after one frame, beyond
-/// those at rest (CrossingMeter::beyond_rest).
+/// Triangles that pass through bones, through other muscles or through their own muscle; the most after one frame,
+/// beyond those at rest (CrossingMeter::beyond_rest).
 struct PassingTriangles {
   int bones = 0;
   int muscles = 0;

@@ -12,6 +12,7 @@ import pandas as pd
 import pytest
 import vtk
 
+import experiment
 import population
 from musclebench.anatomy.mesh_file import mend
 from musclebench.anatomy.surface import SignedDistance, Surface, from_vtk, merged
@@ -142,7 +143,7 @@ def write_shapes(folder: Path, lengths, unit=1000.0) -> Path:
 def test_modes_are_how_the_meshes_of_a_folder_differ(tmp_path):
     lengths = [0.05, 0.055, 0.06, 0.065, 0.07]
     modes = read_modes(write_shapes(tmp_path / "shapes", lengths), ball(1.0, cells=40, stretch=(0.01, 0.013, 0.06)), "bone")
-    assert modes.explained[0] > 0.999 and modes.off < 0.01
+    assert modes.explained[0] > 0.999 and modes.off < 0.01 and modes.scale == pytest.approx(1e-3, rel=0.02)
     bone = ball(1.0, cells=40, stretch=(0.01, 0.013, 0.06))
     half = {amount: np.ptp(modes.map_of([amount])(bone.vertices), axis=0) / 2 for amount in (-1.0, 0.0, 1.0)}
     spread = np.std(lengths, ddof=1)
@@ -157,8 +158,18 @@ def test_meshes_that_are_no_shapes_of_one_bone_are_told(tmp_path):
         read_modes(write_shapes(tmp_path / "few", [0.05, 0.06]), bone, "bone")
     with pytest.raises(Problem, match="all of its meshes have one shape"):
         read_modes(write_shapes(tmp_path / "same", [0.05] * 3), bone, "bone")
-    with pytest.raises(Problem, match="is it the same bone"):
+    with pytest.raises(Problem, match="is it the same bone, and all of it"):
         read_modes(write_shapes(tmp_path / "flat", [0.05, 0.06, 0.07]), ball(0.03), "bone")
+    z = bone.vertices[:, 2]
+    wound = Surface(bone.vertices + np.column_stack([3 * z**2, 60 * z**3, 0 * z]), bone.triangles)
+    for side, factor in (("same", 1), ("mirrored", -1)):
+        (tmp_path / f"of_the_{side}_side").mkdir()
+        for number, length in enumerate((0.97, 1.0, 1.03)):
+            points = (wound.vertices * [factor, 1, length] + 1.0) * 1000
+            write_ply(tmp_path / f"of_the_{side}_side" / f"{number}.ply", points, wound.triangles[:, ::factor].astype(np.int32), ())
+    assert read_modes(tmp_path / "of_the_same_side", wound, "bone").off < 0.005
+    with pytest.raises(Problem, match="fits bone better when mirrored"):
+        read_modes(tmp_path / "of_the_mirrored_side", wound, "bone")
     other = write_shapes(tmp_path / "other", [0.05, 0.06, 0.07])
     mesh = ball(1.0, cells=31, stretch=(0.01, 0.013, 0.05))
     write_ply(other / "bone_9.ply", mesh.vertices, mesh.triangles.astype(np.int32), ())
@@ -244,17 +255,68 @@ def test_a_population_says_which_setting_holds(knee, tmp_path, capsys):
     # What is complete is not run again, and one member can be made alone, to the same bytes.
     before = (tmp_path / "out" / "settings.csv").read_text()
     assert population.main([*words, "--report-only"]) == code and (tmp_path / "out" / "settings.csv").read_text() == before
-    mesh = "members/my_knee-m2/meshes/femur.ply" if (tmp_path / "out/members/my_knee-m2").is_dir() else f"members/{knee.stem}-m2/meshes/femur.ply"
+    mesh = f"members/{knee.stem}-m0002/meshes/bones/femur.ply"
     kept = (tmp_path / "out" / mesh).read_bytes()
-    assert population.main([*words[:3], "--members", "3", "--only", "2", "--make-only", "--musclebench", PROGRAM, "--out", str(tmp_path / "alone")]) == 0
+    assert population.main([*words[:3], "--members", "30", "--only", "2", "--make-only", "--musclebench", PROGRAM, "--out", str(tmp_path / "alone")]) == 0
     assert (tmp_path / "alone" / mesh).read_bytes() == kept
+    capsys.readouterr()
+    assert population.main([*words, "--only", "0"]) in (0, 1)
+    assert "member 0 with bvh: " in capsys.readouterr().out and (tmp_path / "out" / "settings.csv").read_text() == before
+    # Other shapes want another folder, and are told before anything is lost.
+    other = [str(knee), "--shape", "bend=20", *words[3:]]
+    for more in ([], ["--report-only"], ["--dry-run"]):
+        assert population.main([*other, *more]) == 2 and "holds a population of other shapes" in capsys.readouterr().err
+    assert (tmp_path / "out" / mesh).read_bytes() == kept
+    assert population.main([*other, "--force"]) in (0, 1) and (tmp_path / "out" / mesh).read_bytes() != kept
+
+
+@needs_program
+def test_parts_of_a_population_are_joined(knee, tmp_path, capsys):
+    words = [str(knee), "--shape", "size=5", "--members", "3", "--setting", "bvh", "--frames-limit", "3", "--musclebench", PROGRAM, "--any-build",
+             "--no-pictures"]
+    for part in ("1", "2"):
+        assert population.main([*words, "--shard", f"{part}/2", "--out", str(tmp_path / f"part{part}")]) == 0
+    capsys.readouterr()
+    assert population.main([*words, "--report-only", "--out", str(tmp_path / "part1")]) in (0, 1)
+    assert "2 runs have no result, and do not count" in capsys.readouterr().out
+    assert experiment.main(["population", "--merge", str(tmp_path / "part1"), str(tmp_path / "part2"), "--out", str(tmp_path / "whole")]) == 0
+    assert population.main([*words, "--report-only", "--out", str(tmp_path / "whole")]) in (0, 1)
+    settings = pd.read_csv(tmp_path / "whole" / "settings.csv")
+    assert settings["members"].tolist() == [3] and settings["frame_ms"].notna().all()
+    assert "no result" not in capsys.readouterr().out
+
+
+@needs_program
+def test_what_is_not_of_this_tool_is_not_removed(knee, tmp_path, capsys):
+    (tmp_path / "members" / f"{knee.stem}-m0001").mkdir(parents=True)
+    (tmp_path / "members" / f"{knee.stem}-m0001" / "notes.txt").write_text("mine")
+    words = [str(knee), "--shape", "size=5", "--members", "1", "--make-only", "--musclebench", PROGRAM, "--out", str(tmp_path)]
+    assert population.main(words) == 2 and "has a folder members of something else" in capsys.readouterr().err
+    assert (tmp_path / "members" / f"{knee.stem}-m0001" / "notes.txt").read_text() == "mine"
+
+
+@needs_program
+@pytest.mark.parametrize(("old", "new", "words"), [
+    ('preset = "standard"', 'preset = "standard"\neffects = "auto"', "each member would get effects of its own"),
+    ("[muscle]", "[muscle", "knee"),
+])
+def test_a_scene_that_makes_no_members_is_told(knee, tmp_path, capsys, old, new, words):
+    text = knee.read_text()
+    assert old in text
+    scene = knee.parent / "changed.toml"
+    scene.write_text("\n".join(line for line in text.replace(old, new).splitlines() if not line.startswith("[effects") and "compliance_rad" not in line))
+    assert population.main([str(scene), "--shape", "size=5", "--musclebench", PROGRAM, "--out", str(tmp_path / "out")]) == 2
+    said = capsys.readouterr().err.strip().splitlines()[-1]
+    assert words in said and said.startswith("population: ")
 
 
 @needs_program
 @pytest.mark.parametrize(("change", "words"), [
     (["--setting", "bhv"], "not built"), (["--setting", "sdf:cell=8"], "'cell=8' is not like key=value with a parameter of sdf"),
     (["--setting", "bvh", "--setting", "bvh"], "two are alike"), (["--hold", "101"], "at most 100 percent"),
-    (["--only", "9"], "there are 3 members"), (["--members", "0"], "must be 1 or more"),
+    (["--only", "9"], "there are members 0 to 3"), (["--only", "-1"], "there are members 0 to 3"),
+    (["--setting", "sdf:cells=abc"], "cells"), (["--wanted", "surfce=1"], "surfce"), (["--shape", "size=9"], "size is given twice"),
+    (["--members", "0"], "must be 1 or more"),
 ])
 def test_bad_input_is_told_in_one_line(knee, tmp_path, capsys, change, words):
     asked = [str(knee), "--shape", "size=5", "--members", "3", "--frames-limit", "2", "--musclebench", PROGRAM, "--any-build", "--out", str(tmp_path / "out")]

@@ -47,6 +47,7 @@ class Scene:
     has_step_changes: bool = False  # [[time_step_change]]
     effects: tuple[str, ...] = ()  # of scene and preset
     has_long_key: bool = False  # where two scenes would share a short one
+    below: str = ""  # the path of a scene file that was made for the experiment, below the experiment's folder
     origin: dict = field(default_factory=dict, compare=False)  # ORIGIN_KEYS as the program writes them into a run.json
 
     @property
@@ -59,6 +60,10 @@ class Scene:
         if self.is_file:
             return Path(self.name).stem
         return self.name.replace("/", "-") if self.has_long_key else self.name.split("/")[-1]
+
+    def word(self, folders: Folders) -> str:
+        """As the program is asked for it."""
+        return str(folders.out_dir / self.below) if self.below else self.name
 
     @property
     def probed(self) -> "Scene":

@@ -200,7 +200,7 @@ class SweptCase(SceneCase):
         if self.group.mode == "probe":
             return ["probe", self.scene.name, "--points", str(self.group.points),
                     "--band-mm", f"{self.configuration.probe_band_mm:g}"]
-        words = ["run", self.scene.name, *self.scene.preset_arguments(), *self._frames_words()]
+        words = ["run", self.scene.word(folders), *self.scene.preset_arguments(), *self._frames_words()]
         if self.snapshot_frames:
             words += ["--snapshots", ",".join(map(str, self.snapshot_frames))]
         return words

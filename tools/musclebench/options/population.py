@@ -19,10 +19,12 @@ A member holds if its run ends `ok`, by the limits of `musclebench list` and by 
 
 Written into --out:
   settings.csv     a row a setting: how many members hold, with 95 % interval, and the time of a frame
-  members.csv      a row a member: its shape, and how it ended with each setting
+  members.csv      a row a member: its shape, its bound nodes over those of the scene, and how it ended with each setting
   broken.csv       a row a run that did not hold: why, its picture, and the command that runs it again
   members/         scene and meshes of each member
+  broken/          pictures. The first 12 runs that did not hold are run again for them (--no-pictures)
 
+A bone or pair with a `backend` of its own in the scene keeps it. A scene whose effects are "auto" is refused: name its effects first.
 You can stop the study and start it again. It skips complete runs. tools/experiment --merge joins the parts of --shard; --report-only
 with the same options then writes their tables.
 Exit codes: 0 a setting holds for enough members; 1 none does, or a run has no result; 2 bad input.
@@ -45,7 +47,8 @@ def parse_arguments(arguments: list[str] | None) -> argparse.Namespace:
     what.add_argument("--shape", action="append", metavar="KIND=AMOUNT", help="in which way members differ; may be repeated (default: none)")
     what.add_argument("--members", type=int, default=100, metavar="N", help="how many there are (default: 100)")
     what.add_argument("--seed", type=int, default=1, metavar="N", help="of what they draw (default: 1)")
-    what.add_argument("--only", type=int, action="append", metavar="N", help="this member alone; may be repeated (default: all)")
+    what.add_argument("--only", type=int, action="append", metavar="N",
+                      help="this member alone, 0 or more; says how it ended, and leaves the tables; may be repeated (default: all)")
     what.add_argument("--make-only", action="store_true", help="write the members' scenes and meshes, and run nothing")
     what.add_argument("--data", type=Path, metavar="DIR", help="LHDL data folder, for lhdl/* scenes")
     tried = parser.add_argument_group("what they are run with")
@@ -82,8 +85,8 @@ def check(options: argparse.Namespace) -> None:
     if options.hold > 100:
         raise Problem(f"--hold {options.hold:g}: at most 100 percent")
     for number in options.only or []:
-        if number > options.members:
-            raise Problem(f"--only {number}: there are {options.members} members; raise --members")
+        if not 0 <= number <= options.members:
+            raise Problem(f"--only {number}: there are members 0 to {options.members}; raise --members")
 
 
 TOOL = Tool(parse_arguments, check)

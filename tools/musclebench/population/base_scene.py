@@ -1,6 +1,7 @@
 """The scene whose members a population has: its tables, and its shapes at rest in the scene's frame."""
 
 import json
+import os
 import subprocess
 import tempfile
 import tomllib
@@ -20,7 +21,7 @@ from ..results.ply import read_ply
 OF_PROJECT = (PROJECT / "datasets" / "scenes", PROJECT / "datasets" / "ankle" / "scenes")
 READING_SECONDS = 600
 PLACING = ("unit", "scale", "rotate_deg", "translate_m")
-ONE_STEP = ("rest_frames=0", "settle_substeps=0", "substeps=1", "iterations=1")
+ONE_STEP = ("start_noise_m=0", "rest_frames=0", "settle_substeps=0", "substeps=1", "iterations=1")
 AS_IN_THE_FILE = ("split_muscles=0", "smooth_bones=0")
 ENDED = (0, 1, 3)  # exit codes of a run that read its scene
 
@@ -61,8 +62,12 @@ def read_base_scene(scene: str, program: Path, data: Path | None) -> BaseScene:
     path = scene_file(scene)
     try:
         tables = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, tomllib.TOMLDecodeError) as error:
+    except (OSError, ValueError) as error:
         raise Problem(f"{path}: {error}") from None
+    if asks_by_trial(tables):
+        raise Problem(f"{scene}: effects = \"auto\": each member would get effects of its own; write those of the scene with `musclebench check "
+                      f"{scene} --trial --out FILE.toml`, and name that file")
+    data = (data or Path(os.environ["MUSCLEBENCH_DATA"])).resolve() if data or os.environ.get("MUSCLEBENCH_DATA") else None
     with tempfile.TemporaryDirectory() as folder:
         bones, muscles = _shapes(scene, program, data, Path(folder) / "rest")
     if "attachment" in tables and not listed(tables, "attachment"):
@@ -74,6 +79,18 @@ def read_base_scene(scene: str, program: Path, data: Path | None) -> BaseScene:
             if "table" in motion:
                 motion["table"] = str(_file(motion["table"], path.parent, data))
     return base
+
+
+def asks_by_trial(tables: Table) -> bool:
+    effects = tables.get("effects")
+    return effects == "auto" or (isinstance(effects, dict) and effects.get("auto") is True)
+
+
+def with_backends(tables: Table) -> list[str]:
+    """Names of what has a backend of its own, which no setting changes."""
+    bodies = [one["name"] for one in listed(tables, "bone") if "backend" in one]
+    pairs = [" and ".join(one.get("muscles", [str(one.get("muscle")), str(one.get("bone"))])) for one in listed(tables, "pair") if "backend" in one]
+    return bodies + pairs
 
 
 def motions_of(bone: Table) -> list[Table]:
@@ -88,7 +105,10 @@ def _shapes(scene: str, program: Path, data: Path | None, out: Path) -> tuple[di
     for option, word in [("--loop", one) for one in ONE_STEP] + [("--meshes", one) for one in AS_IN_THE_FILE]:
         command += [option, word]
     command += ["--data", str(data)] if data else []
-    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=READING_SECONDS)
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=READING_SECONDS)
+    except subprocess.TimeoutExpired:
+        raise Problem(f"{scene}: was not read within {READING_SECONDS} s") from None
     lines = done.stderr.strip().splitlines() or [f"exit code {done.returncode}"]
     if done.returncode not in ENDED or not (out / "run.json").is_file():
         raise Problem(lines[-1].removeprefix("musclebench: "))

@@ -34,7 +34,7 @@ class Frame:
 
 def frame_of(surfaces: list[Surface], centre: Points | None = None) -> Frame:
     """`centre`: what stays in place (default: the middle of the box)."""
-    points = np.concatenate([one.vertices for one in surfaces])
+    points = np.concatenate([one.vertices[np.unique(one.triangles)] for one in surfaces])  # a file may have stray vertices
     middle = (points.min(axis=0) + points.max(axis=0)) / 2
     along = np.linalg.svd(points[:: max(1, len(points) // 20_000)] - points.mean(axis=0), full_matrices=False)[2][0]
     along *= np.sign(along[int(np.abs(along).argmax())])

@@ -16,7 +16,8 @@ from .shape_words import MODES
 FEWEST = 3
 ROUNDS = 40  # of nearest points
 SAMPLES = 1200
-NEAR = 0.05  # of the bone's diagonal: a mean shape that is farther off (RMS) is another bone
+NEAR = 0.015  # of the bone's diagonal: a mean shape that is farther off (RMS) is another bone
+OTHER_SIDE = 0.7  # of how far it is off: a mirrored one that is less is of the other side
 
 
 @dataclass
@@ -25,7 +26,8 @@ class Modes:
 
     points: Points  # (n, 3) of the mean shape, brought over the bone
     directions: Points  # (k, n, 3), of one standard deviation each
-    off: float  # RMS distance of the mean shape from the bone, over its diagonal
+    off: float  # RMS distance of the mean shape from the bone and of the bone from it, the larger one, over the bone's diagonal
+    scale: float  # by which the mean shape was made larger
     explained: list[float]  # share of the variance
 
     def map_of(self, amounts: list[float]) -> Map:
@@ -51,16 +53,20 @@ def read_modes(folder: Path, bone: Surface, name: str) -> Modes:
     if not kept or not deviations[0] > 0:
         raise Problem(f"{folder}: all of its meshes have one shape; there is no mode")
     scale, rotation, shift, off = _brought_over(Surface(mean, meshes[0].triangles), bone)
+    mirrored = _brought_over(Surface(mean * [-1, 1, 1], meshes[0].triangles), bone)[3]
+    if mirrored < OTHER_SIDE * off:
+        raise Problem(f"{folder}: its mean shape fits {name} better when mirrored ({mirrored / bone.diagonal:.1%} of the diagonal off, else "
+                      f"{off / bone.diagonal:.1%}); take meshes of the same side")
     if off > NEAR * bone.diagonal:
-        raise Problem(f"{folder}: its mean shape is {off / bone.diagonal:.0%} of the diagonal off {name} (RMS, at most {NEAR:.0%}); "
-                      "is it the same bone, of the same side?")
+        raise Problem(f"{folder}: its mean shape is {off / bone.diagonal:.1%} of the diagonal off {name} (RMS, at most {NEAR:.1%}); "
+                      "is it the same bone, and all of it?")
     over = scale * mean @ rotation.T + shift
     picked = np.unique(np.linspace(0, len(over) - 1, min(SAMPLES, len(over))).astype(int))
     _, first = np.unique(over[picked], axis=0, return_index=True)
     picked = picked[np.sort(first)]
     directions = [scale * deviations[k] / np.sqrt(len(shapes) - 1) * rows[k].reshape(-1, 3)[picked] @ rotation.T for k in kept]
     shares = deviations**2 / (deviations**2).sum()
-    return Modes(over[picked], np.array(directions), off / bone.diagonal, [float(shares[k]) for k in kept])
+    return Modes(over[picked], np.array(directions), off / bone.diagonal, scale, [float(shares[k]) for k in kept])
 
 
 def _aligned(shapes: Points) -> Points:
@@ -100,7 +106,11 @@ def _brought_over(mean: Surface, bone: Surface) -> tuple[float, Points, Points, 
             turned = (source - centre) @ rotation.T
             scale = float((turned * (nearest - nearest.mean(axis=0))).sum() / (turned**2).sum())
             shift = nearest.mean(axis=0) - scale * rotation @ centre
-        off = float(np.sqrt((tree.query(scale * source @ rotation.T + shift)[0] ** 2).mean()))
+        placed = scale * source @ rotation.T + shift
+        there, back = tree.query(placed)[0], cKDTree(placed).query(target)[0]
+        # The bone has more samples, whose distances to the nearest of few are no smaller than these are apart.
+        apart = np.median(cKDTree(placed).query(placed, 2)[0][:, 1])
+        off = float(max(np.sqrt((there**2).mean()), np.sqrt((np.maximum(back - apart, 0) ** 2).mean())))
         if best is None or off < best[3]:
             best = (scale, rotation, shift, off)
     assert best is not None

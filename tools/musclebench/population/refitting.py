@@ -85,19 +85,17 @@ def _explain(joint: Joint, base: BaseScene) -> None:
 
 def moved_axis(joint: Joint, deformation: Deformation, size: float) -> tuple[Points, Points]:
     """Direction and centre in a member. What the scene's axis is off the fit at rest stays as far off, carried along."""
-    bone = joint.bones[0] if joint.points is None else next(iter(joint.points))
-
-    def move(points: Points) -> Points:
-        return deformation.of_bone(bone, points)
-    matrix = jacobian(move, joint.centre, size)
+    matrix = jacobian(deformation.of_space, joint.centre, size)  # of no bone: several may turn about it
     direction = matrix @ joint.axis
     direction /= np.linalg.norm(direction)
+    carried_centre = deformation.of_space(joint.centre[None])[0]
     if joint.fitted is None or joint.points is None:
-        return direction, move(joint.centre[None])[0]
+        return direction, carried_centre
+    ((bone, points),) = joint.points.items()
     try:
-        fitted = _fit(joint.shape, move(joint.points[bone]) * MM, direction)
+        fitted = _fit(joint.shape, deformation.of_bone(bone, points) * MM, direction)
     except Problem:
-        return direction, move(joint.centre[None])[0]
+        return direction, carried_centre
     before = joint.fitted
     # Along its own direction a cylinder's axis begins anywhere: the scene's centre is taken for its centre.
     offset = joint.centre - before.centre / MM

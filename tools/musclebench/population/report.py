@@ -2,7 +2,7 @@
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from ..results.run_folder import Run
 from ..tables.table_formats import Column, Table
 from .shape_words import Shape
 
-REFUSED, MISSING = "refused", "no result"
+REFUSED = "refused"
 Z = 1.959964  # 95 % of a normal distribution
 FRAME = re.compile(r"\(frame (\d+)")
 
@@ -25,6 +25,7 @@ class Ending:
     status: str
     detail: str = ""
     frame_ms: float = math.nan  # median
+    bound: dict[str, int] = field(default_factory=dict)  # nodes of each attachment
     run: Run | None = None
 
     @property
@@ -42,18 +43,21 @@ Endings = dict[str, dict[int, Ending]]  # {setting: {member: how it ended}}
 
 def endings_of(cases: list[SweptCase], runs: dict[SweptCase, Run], records: dict[SweptCase, dict[str, Any]], numbers: dict[str, int],
                refused: dict[int, str]) -> Endings:
-    """`records`: run.json of cases that have no run to read."""
+    """`records`: run.json of cases that have no run to read. What has neither has no ending."""
     found: Endings = {}
     for case in cases:
         mine = found.setdefault(case.configuration.label, {number: Ending(REFUSED, why) for number, why in refused.items()})
         run = runs.get(case)
+        if run is None and not records.get(case):
+            continue
         if run is None:
-            record = records.get(case, {})
-            ending = Ending(str(record.get("status", MISSING)), str(record.get("status_detail", "")))
+            record = records[case]
+            ending = Ending(str(record.get("status", "failed")), str(record.get("status_detail", "")))
         else:
             frames = run.timed_frames
             ending = Ending(run.status, str(run.record.get("status_detail", "")),
-                            float(frames["frame_ns"].median()) / 1e6 if "frame_ns" in frames else math.nan, run)
+                            float(frames["frame_ns"].median()) / 1e6 if "frame_ns" in frames else math.nan,
+                            {f"{place} {one['name']}": int(one["nodes"]) for place, one in enumerate(run.record.get("attachments", []))}, run)
         mine[numbers[case.scene.name]] = ending
     return found
 
@@ -90,11 +94,17 @@ def settings_table(endings: Endings, title: str) -> Table:
 def members_table(endings: Endings, shapes: list[Shape], amounts: dict[int, list[list[float]]]) -> Table:
     names = [name for shape in shapes for name in shape.columns]
     rows = []
+    bound = {number: one.bound for by_member in endings.values() for number, one in by_member.items() if one.bound}
     for number in sorted({number for one in endings.values() for number in one}):
         drawn = [value for one in amounts[number] for value in one] or [math.nan] * len(names)
-        rows.append({"member": number} | dict(zip(names, drawn)) | {setting: one[number].status for setting, one in endings.items() if number in one})
-    columns = [Column("member", "member", 0), *(Column(name, name, 3) for name in names), *(Column(setting, setting) for setting in endings)]
-    caption = "Shapes of the members (factors, degrees, standard deviations), and how each ended. Member 0 is the scene as it is."
+        shares = [nodes / bound[0][name] for name, nodes in bound.get(number, {}).items() if bound.get(0, {}).get(name)]
+        of_scene = {"bound_least": min(shares), "bound_most": max(shares)} if shares else {}
+        ended = {setting: one[number].status for setting, one in endings.items() if number in one}
+        rows.append({"member": number} | dict(zip(names, drawn)) | of_scene | ended)
+    columns = [Column("member", "member", 0), *(Column(name, name, 3) for name in names), Column("bound_least", "bound nodes, from", 2),
+               Column("bound_most", "to", 2), *(Column(setting, setting) for setting in endings)]
+    caption = ("Shapes of the members (factors, degrees, standard deviations), the nodes of its attachments over those of the "
+               "scene, and how each ended. Member 0 is the scene as it is.")
     return Table("members", caption, columns, pd.DataFrame(rows, columns=[one.key for one in columns]), [one.key for one in columns])
 
 
@@ -125,8 +135,10 @@ def answer(table: Table, endings: Endings, hold: float) -> str:
     else:
         words = (f"{best['setting']} holds for {best['hold']:.0f} of {best['members']:.0f} members (95 % interval {best['low']:.0f} to "
                  f"{best['high']:.0f} %), in {best['frame_ms']:.3g} ms a frame")
-        words += "." if len(table.rows) == 1 else f"; of {len(table.rows)} settings it is the fastest that holds for {hold:g} %."
-    never = sorted(set.intersection(*({number for number, one in by_member.items() if number > 0 and not one.holds} for by_member in endings.values())))
+        few = f"; with more members the share may prove to be below {hold:g} %" if best["low"] < hold else ""
+        words += f"{few}." if len(table.rows) == 1 else f"; of {len(table.rows)} settings it is the fastest that holds for {hold:g} %{few}."
+    broken = [{number for number, one in by_member.items() if number > 0 and not one.holds} for by_member in endings.values()]
+    never = sorted(set.intersection(*broken))
     if never:
         words += f" No setting holds for {'member' if len(never) == 1 else 'members'} {', '.join(map(str, never[:12]))}{' ...' if len(never) > 12 else ''}."
     return words

@@ -1,5 +1,6 @@
 """The members of a population as an experiment: which scenes and settings its cases have."""
 
+import subprocess
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
@@ -39,10 +40,11 @@ def survey_members(files: dict[int, Path], options: Any, registry: Registry, fol
     found = MemberScenes([], {str(path): number for number, path in files.items()})
 
     def ask(item: tuple[int, Path]) -> Scene | str:
-        scene = Scene(str(item[1]), asks_preset=False, frames_limit=options.frames_limit)
+        below = str(item[1].relative_to(folders.out_dir))
+        scene = Scene(str(item[1]), asks_preset=False, frames_limit=options.frames_limit, below=below)
         try:
             return asked(scene, options.musclebench, registry, folders)
-        except Problem as problem:
+        except (Problem, subprocess.TimeoutExpired) as problem:
             return str(problem)
 
     with ThreadPoolExecutor(options.jobs or 2) as pool:
