@@ -24,7 +24,7 @@ Written into --out:
   members/         scene and meshes of each member
   broken/          pictures. The first 12 runs that did not hold are run again for them (--no-pictures)
 
-A bone or pair with a `backend` of its own in the scene keeps it. A scene whose effects are "auto" is refused: name its effects first.
+If the scene gives a bone or a pair a `backend`, no setting changes it. A scene whose effects are "auto" is refused: name its effects first.
 You can stop the study and start it again. It skips complete runs. tools/experiment --merge joins the parts of --shard; --report-only
 with the same options then writes their tables.
 Exit codes: 0 a setting holds for enough members; 1 none does, or a run has no result; 2 bad input.
