@@ -333,7 +333,8 @@ void CoupledJudge::judge_surfaces_in_muscles(const Simulation& simulation, StepR
 }
 
 std::size_t CoupledJudge::muscle_pair(const DeepBodies& bodies) const {
-  const auto [first, second] = std::minmax(bodies.muscle, bodies.other);
+  const int first = std::min(bodies.muscle, bodies.other);
+  const int second = std::max(bodies.muscle, bodies.other);
   const auto pairs = m_crossings.pairs();
   const auto found = std::ranges::find_if(pairs, [&](const CrossingPair& pair) {
     return pair.kind == CrossedSurface::muscle && pair.muscle == first && pair.other == second;
