@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tomllib
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -122,6 +123,11 @@ def test_an_axis_is_fitted_anew_where_the_bones_tell_it():
     frame = frame_of([ball(0.01)], centre=np.array([0, 0, -0.1]))
     axis, centre = moved_axis(joint, Deformation(whole=[scaled([1.1, 1.1, 1.1], frame)]), 0.2)
     assert centre[1:] == pytest.approx([0, 0.01], abs=2e-5) and abs(axis[0]) == pytest.approx(1, abs=1e-6)
+    # An articular surface that is no ball any more: its fit is nearer to all of its points than the old centre is.
+    flat = Deformation(whole=[scaled([1.0, 1.0, 1.3], frame_of([ball(0.02)]))])
+    points = flat.of_bone("femur", joint.points["femur"])
+    fitted, kept = moved_axis(joint, flat, 0.2)[1] - [0.001, 0, 0], flat.of_space(joint.centre[None])[0] - [0.001, 0, 0]
+    assert np.linalg.norm(points - fitted, axis=1).std() < 0.9 * np.linalg.norm(points - kept, axis=1).std()
     # An axis that no surface explains is carried along.
     far = hip()
     far.tables["bone"][1]["motion"]["centre_m"] = [0, 0.03, 0]
@@ -224,17 +230,52 @@ def test_a_member_is_its_scene_with_another_shape(knee, tmp_path):
         Family(base, [read_shape("twist=5@fibula")], seed=1)
 
 
-@needs_program
-def test_rings_go_along(tmp_path):
-    base = read_base_scene("effects/retinaculum", Path(PROGRAM), None)
-    family = Family(base, [read_shape("size=50")], seed=2)
+def with_cord() -> BaseScene:
+    """The hip with a cord from bone to bone, which runs through a ring."""
+    base = hip()
+    base.muscles = {"cord": Surface(rod(0.1, 0.004).vertices + [0.04, 0, -0.03], rod().triangles)}
+    base.outlines = [np.array([[0.04, 0.004, 0.02], [0.04, -0.004, 0.02], [0.036, 0, 0.02]])]
+    base.tables |= {"muscle": {"name": "cord", "scale": 2.0}, "attachment": [{"name": "origin", "bone": "pelvis", "distance_m": 0.003, "margin_m": 0.001,
+                                                                            "outline": "elsewhere.json#cord/origin"}],
+                    "retinaculum": [{"name": "ring", "bone": "femur", "centre_m": [0.04, 0, -0.03], "axis": [0, 0, 2.0], "radius_m": 0.006, "slide_m": 0.03}]}
+    return base
+
+
+def test_what_a_scene_names_goes_along(tmp_path):
+    base = with_cord()
+    family = Family(base, [read_shape("scale=50")], seed=2)
     made = tomllib.loads(family.member(1, tmp_path / "m1").scene.read_text())
-    factor = drawn_amounts(family.shapes, 1, 2)[0][0]
-    before, after = base.tables["retinaculum"][0], made["retinaculum"][0]
-    assert after["radius_m"] == pytest.approx(factor * before["radius_m"])
-    assert after["axis"] == pytest.approx((np.array(before["axis"]) / np.linalg.norm(before["axis"])).tolist(), abs=1e-6)
+    factors = np.array(drawn_amounts(family.shapes, 1, 2)[0])
+    (ring,), (area,) = made["retinaculum"], made["attachment"]
+    assert ring["radius_m"] == pytest.approx(0.006 * factors[:2].max(), rel=1e-6) and ring["slide_m"] == pytest.approx(0.03 * factors[2], rel=1e-6)
+    assert ring["axis"] == pytest.approx([0, 0, 1], abs=1e-9)
     centre = family.whole.centre
-    assert after["centre_m"] == pytest.approx((centre + factor * (np.array(before["centre_m"]) - centre)).tolist())
+    assert ring["centre_m"] == pytest.approx((centre + factors * ([0.04, 0, -0.03] - centre)).tolist())
+    # The outline lies in a plane of z: distances grow with z, margins in the plane. Its points are in the scene's frame now.
+    assert area["distance_m"] == pytest.approx(0.003 * factors[2], rel=1e-6)
+    assert area["margin_m"] == pytest.approx(0.001 * np.sqrt(factors[0] * factors[1]), rel=1e-6)
+    assert "outline" not in area and np.array(area["outline_m"]) == pytest.approx(centre + factors * (base.outlines[0] - centre))
+    assert "scale" not in made["muscle"] and made["muscle"]["mesh"] == "meshes/muscles/cord.ply"
+    # Member 0 is the scene as it is, to the last bit.
+    same = tomllib.loads(family.member(0, tmp_path / "m0").scene.read_text())
+    assert same["retinaculum"] == base.tables["retinaculum"] and same["attachment"][0]["outline_m"] == base.outlines[0].tolist()
+    assert same["attachment"][0]["distance_m"] == 0.003 and same["bone"][1]["motion"] == base.tables["bone"][1]["motion"]
+
+
+def test_a_folder_is_of_one_population(tmp_path):
+    options = SimpleNamespace(out=tmp_path, shape=[read_shape("size=5")], seed=1, force=False, scene="hip")
+    population.claim(options, with_cord())
+    Family(with_cord(), options.shape, 1).member(1, tmp_path / "members" / "hip-m0001")
+    population.claim(options, with_cord())
+    moved = with_cord()
+    moved.outlines[0] = moved.outlines[0] + 1e-4
+    for change, base, words in (({"seed": 2}, with_cord(), "another seed"), ({"shape": [read_shape("size=6")]}, with_cord(), "other shapes"),
+                                ({}, moved, "another scene")):
+        with pytest.raises(Problem, match=f"holds a population of {words}"):
+            population.claim(SimpleNamespace(**vars(options) | change), base)
+    assert (tmp_path / "members" / "hip-m0001").is_dir()
+    population.claim(SimpleNamespace(**vars(options) | {"seed": 2, "force": True}), with_cord())
+    assert not (tmp_path / "members" / "hip-m0001").exists()
 
 
 @needs_program
