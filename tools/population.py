@@ -82,16 +82,15 @@ def make_members(options, base: BaseScene, numbers: list[int], say: Talker) -> d
         folder = options.out / MEMBERS / f"{base.name}-m{number:04d}"
         if not (folder / ABOUT).is_file():
             if folder.exists():
-                shutil.rmtree(folder) if not any(one.is_file() for one in folder.rglob("*")) else half_made(folder)
-            family.member(number, folder)
+                raise Problem(f"{folder}: is none of this tool's; remove it")
+            part = folder.with_name(f".{folder.name}")  # a member is there whole or not at all
+            shutil.rmtree(part, ignore_errors=True)
+            family.member(number, part, folder.name)
+            part.rename(folder)
         files[number] = folder / f"{folder.name}.toml"
         if is_told(place, len(numbers)):
             say(f"{place} of {len(numbers)} members made")
     return files
-
-
-def half_made(folder: Path) -> None:
-    raise Problem(f"{folder}: is not whole, or is none of this tool's; remove it")
 
 
 def sweep(options, scenes: MemberScenes) -> Sweep:

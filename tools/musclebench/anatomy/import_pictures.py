@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 from PIL import Image, ImageDraw
 
-from ..pictures.rendering import Scene3d, View
+from ..pictures.rendering import Scene3d
+from ..pictures.views import views_along_shorter_axes
 from ..results.ply import PlyMesh, read_ply
 from .scene_files import AREAS_FILE
 
@@ -32,7 +33,7 @@ def draw_import(folder: Path, say: Callable[[str], None]) -> list[Path]:
     for name in dict.fromkeys(area["muscle"] for area in areas):
         say(name)
         own = [area for area in areas if area["muscle"] == name]
-        views = _views(meshes[name].vertices_m)
+        views = views_along_shorter_axes(meshes[name].vertices_m, MARGIN)
         image = Image.new("RGB", (WIDTH * len(views), HEIGHT + CAPTION), "white")
         _put(scene, meshes[name], own)
         for index, view in enumerate(views):
@@ -51,12 +52,3 @@ def _put(scene: Scene3d, muscle: PlyMesh, areas: list[dict[str, Any]]) -> None:
     for area in areas:
         points = np.array(area["points_m"]).reshape(-1, 3)
         scene.add_points(points, DOT_M, np.tile(ORIGIN if area["role"] == "origin" else INSERTION, (len(points), 1)))
-
-
-def _views(vertices_m: Any) -> list[View]:
-    """Along the muscle's two shorter axes, its longest upright."""
-    centre = (vertices_m.min(axis=0) + vertices_m.max(axis=0)) / 2
-    axes = np.linalg.svd(vertices_m - vertices_m.mean(axis=0), full_matrices=False)[2]
-    up = axes[0] * (np.sign(axes[0][np.abs(axes[0]).argmax()]) or 1.0)
-    half = MARGIN * float(np.abs((vertices_m - centre) @ up).max())
-    return [View(centre, towards, up, half) for towards in (axes[1], axes[2])]

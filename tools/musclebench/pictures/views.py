@@ -44,6 +44,15 @@ def principal_axes(points_m: np.ndarray) -> np.ndarray:
     return np.linalg.svd(points_m - points_m.mean(axis=0), full_matrices=False)[2]
 
 
+def views_along_shorter_axes(points_m: np.ndarray, margin: float) -> list[View]:
+    """Two, with the longest axis upright. `margin`: half the height over that of the points."""
+    centre = (points_m.min(axis=0) + points_m.max(axis=0)) / 2
+    axes = principal_axes(points_m)
+    up = axes[0] * (np.sign(axes[0][np.abs(axes[0]).argmax()]) or 1.0)
+    half = margin * float(np.abs((points_m - centre) @ up).max())
+    return [View(centre, towards, up, half) for towards in (axes[1], axes[2])]
+
+
 def side_of_muscle(joint: JointDirections, muscle_m: np.ndarray, bones_m: np.ndarray) -> np.ndarray:
     """The eye that sees the muscle in front of the bones it lies on, its whole length, and much of the turn: from the
     bones near the muscle towards it, turned towards the axis."""

@@ -48,12 +48,12 @@ class Family:
         self.modes: dict[str, Modes] = {shape.words: read_modes(shape.folder, base.bones[shape.bone], shape.bone)
                                         for shape in shapes if shape.folder is not None}
 
-    def member(self, number: int, folder: Path) -> Member:
-        """Writes it below `folder`, which must not be there."""
+    def member(self, number: int, folder: Path, name: str = "") -> Member:
+        """Writes it below `folder`, which must not be there. `name`: of the scene file (default: the folder's)."""
         amounts = drawn_amounts(self.shapes, number, self.seed) if number else []
         deformation = self.deformation(amounts)
         tables = without_places(self.base)
-        member = Member(number, folder / f"{folder.name}.toml", amounts)
+        member = Member(number, folder / f"{name or folder.name}.toml", amounts)
         for kind in ("bones", "muscles"):
             (folder / "meshes" / kind).mkdir(parents=True)
         tables["title"] = f"{tables.get('title', self.base.name)}, member {number}" if number else tables.get("title", self.base.name)

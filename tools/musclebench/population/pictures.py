@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw
 
-from ..anatomy.surface import Points
-from ..pictures.rendering import Scene3d, View
+from ..pictures.rendering import Scene3d
+from ..pictures.views import views_along_shorter_axes
 from ..results.run_folder import Run
 from ..results.snapshots import Snapshot, read_bones, read_snapshots
 from .report import FRAME
@@ -31,7 +31,7 @@ def draw_broken(runs: list[Run], folder: Path, say: Callable[[str], None]) -> li
         bones = read_bones(run)
         for name, bone in bones.items():
             scene.set_bone(name, bone.vertices_m, bone.triangles)
-        views = _views(shown[0].mesh.vertices_m)
+        views = views_along_shorter_axes(shown[0].mesh.vertices_m, MARGIN)
         image = Image.new("RGB", (WIDTH * len(views) * len(shown), HEIGHT + CAPTION), "white")
         place = 0
         for snapshot in shown:
@@ -66,12 +66,3 @@ def _write(draw: ImageDraw.ImageDraw, run: Run, shown: list[Snapshot]) -> None:
              f"yellow: deeper than {DEEP_MM} mm in a bone.{licence}")
     for number, line in enumerate(textwrap.wrap(words, LETTERS * len(shown))[:4]):
         draw.text((8, HEIGHT + 3 + 14 * number), line, fill="black")
-
-
-def _views(vertices_m: Points) -> list[View]:
-    """Along the muscle's two shorter axes, its longest upright."""
-    centre = (vertices_m.min(axis=0) + vertices_m.max(axis=0)) / 2
-    axes = np.linalg.svd(vertices_m - vertices_m.mean(axis=0), full_matrices=False)[2]
-    up = axes[0] * (np.sign(axes[0][np.abs(axes[0]).argmax()]) or 1.0)
-    half = MARGIN * float(np.abs((vertices_m - centre) @ up).max())
-    return [View(centre, towards, up, half) for towards in (axes[1], axes[2])]
