@@ -1,6 +1,7 @@
 #include "core/effects/no_passage/near_pairs.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -13,9 +14,8 @@ namespace {
 /// What would be used up within so many steps like this is measured together with others, so that the next steps need
 /// not look at the same pair of nodes.
 constexpr float soon_steps = 2;
-/// Spheres that are apart by more than this share of their radii tell enough; closer ones are looked into, as their
-/// distance says little.
-constexpr float far_share = 0.1F;
+/// Triangles that a step may bring together are open by themselves until what is left lasts for so many.
+constexpr float away_steps = 4;
 
 std::size_t at_index(int value) { return static_cast<std::size_t>(value); }
 
@@ -45,18 +45,11 @@ float approach_of(const LaneOf& one, const LaneOf& other) {
   return (1 + lane_rounding) * (moved_m + one.lanes.spread_m[one.lane] + other.lanes.spread_m[other.lane]);
 }
 
-/// The same of four pairs; each has its move and, last, its spread.
-Four approach_of(const std::array<const Four*, 4>& ones, const std::array<const Four*, 4>& others) {
-  Eigen::Matrix4f moves;
-  Eigen::Matrix4f spreads;
-  for (std::size_t k = 0; k < 4; ++k) {
-    moves.col(static_cast<Eigen::Index>(k)) = *ones[k] - *others[k];
-    spreads.col(static_cast<Eigen::Index>(k)) = *ones[k] + *others[k];
-  }
-  moves.transposeInPlace();
-  spreads.transposeInPlace();
-  const Four squared = moves.col(0).array().square() + moves.col(1).array().square() + moves.col(2).array().square();
-  return (1 + lane_rounding) * (squared.sqrt() + spreads.col(3).array());
+/// The same of two that tell their moves and, last, their spread.
+float approach_of(const Four& one, const Four& other) {
+  const Four apart = one - other;
+  const float moved_m = std::sqrt(apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2]);
+  return (1 + lane_rounding) * (moved_m + (one[3] + other[3]));
 }
 
 /// How far two spheres are apart where the paths start, at least.
@@ -77,10 +70,6 @@ float closest_m(const LaneOf& one, const LaneOf& other) {
          other.lanes.radius_m[other.lane] - one.lanes.spread_m[one.lane] - other.lanes.spread_m[other.lane];
 }
 
-bool is_far(float apart, const LaneOf& one, const LaneOf& other) {
-  return apart > far_share * std::abs(one.lanes.radius_m[one.lane] + other.lanes.radius_m[other.lane]);
-}
-
 float least_of(const PairDistances& left_m) {
   BvhLanes least = left_m[0];
   for (const BvhLanes& row : left_m) {
@@ -97,7 +86,7 @@ void for_each_bit(std::uint64_t bits, const Visit& visit) {
 }  // namespace
 
 NearPairs::NearPairs(PathSpheres& first, PathSpheres& second)
-    : m_first(first), m_second(second), m_levels(at_index(first.tree().top())) {
+    : m_first(first), m_second(second), m_levels(at_index(first.tree().top()) + 1) {
   (void)open(top(), -1, 0);
 }
 
@@ -106,165 +95,239 @@ int NearPairs::open(int level, int above, int slot) {
   std::size_t index = all.open.size();
   if (all.free.empty()) {
     all.open.emplace_back();
-    all.blocks.emplace_back();
+    all.first.emplace_back();
+    all.second.emplace_back();
+    all.left_m.emplace_back();
+    all.left_at_end_m.emplace_back();
+    if (level > 0) all.blocks.emplace_back();
     if (level > 1) all.below.emplace_back();
   } else {
     index = at_index(all.free.back());
     all.free.pop_back();
   }
-  NearBlock& block = all.blocks[index] = {};
+  all.open[index] = {.above = above, .slot = slot};
+  all.first[index] = all.second[index] = 0;
   if (above >= 0) {
-    const NearBlock& parents = at(level + 1).blocks[at_index(above)];
-    block.first = parents.first * bvh_width + at_index(slot) / bvh_width;
-    block.second = parents.second * bvh_width + at_index(slot) % bvh_width;
+    const Level& parents = at(level + 1);
+    constexpr auto width = static_cast<int>(bvh_width);
+    all.first[index] = parents.first[at_index(above)] * width + slot / width;
+    all.second[index] = parents.second[at_index(above)] * width + slot % width;
   }
-  all.open[index] = {
-      .above = above, .slot = slot, .first = static_cast<int>(block.first), .second = static_cast<int>(block.second)};
-  if (level > 1) all.below[index].fill(-1);
-  if (&m_first == &m_second && block.first == block.second) {
-    // Each pair once, and no triangle with itself.
-    for (std::size_t i = 0; i < bvh_width; ++i) {
-      for (std::size_t j = 0; j < i + (level == 1 ? 1 : 0); ++j) block.left_m[i][j] = nowhere_m;
+  all.left_m[index] = all.left_at_end_m[index] = 0;
+  if (level > 0) {
+    Block& block = all.blocks[index] = {};
+    if (&m_first == &m_second && all.first[index] == all.second[index]) {
+      // Each pair once, and no triangle with itself.
+      for (std::size_t i = 0; i < bvh_width; ++i) {
+        for (std::size_t j = 0; j < i + (level == 1 ? 1 : 0); ++j) block.left_m[i][j] = nowhere_m;
+      }
     }
+  }
+  if (level > 1) all.below[index].fill(-1);
+  if (above >= 0) {
+    Level& parents = at(level + 1);
+    parents.blocks[at_index(above)].left_m[at_index(slot) / bvh_width][at_index(slot) % bvh_width] = nowhere_m;
+    if (level > 0) parents.below[at_index(above)][at_index(slot)] = static_cast<int>(index);
+    ++parents.open[at_index(above)].open_below;
   }
   return static_cast<int>(index);
 }
 
-/// Where the spheres of a pair tell enough from now on, and nothing below it is open.
-bool NearPairs::close_if_far(int level, int index, float least_m) {
+void NearPairs::close(int level, int index, float left_m) {
   Level& all = at(level);
+  Level& parents = at(level + 1);
   Open& pair = all.open[at_index(index)];
-  const LaneOf one = LaneOf::node(m_first, level, pair.first);
-  const LaneOf other = LaneOf::node(m_second, level, pair.second);
-  const float apart = apart_m(one, other);
-  if (!(apart > approach_of(one, other) + least_m) || !is_far(apart, one, other)) return false;
-  if (pair.open_below > 0) return false;
-  const std::size_t above = at_index(pair.above);
-  make_current(level + 1, pair.above);
-  at(level + 1).blocks[above].left_m[at_index(pair.slot) / bvh_width][at_index(pair.slot) % bvh_width] = apart;
-  at(level + 1).below[above][at_index(pair.slot)] = -1;
-  Open& parents = at(level + 1).open[above];
-  parents.left_m = std::min(parents.left_m, apart);
-  parents.is_emptied = --parents.open_below == 0;
-  pair.above = -1;
+  const int above = std::exchange(pair.above, -1);
+  make_current(level + 1, above);
+  parents.blocks[at_index(above)].left_m[at_index(pair.slot) / bvh_width][at_index(pair.slot) % bvh_width] = left_m;
+  parents.left_m[at_index(above)] = std::min(parents.left_m[at_index(above)], left_m);
+  if (level > 0) parents.below[at_index(above)][at_index(pair.slot)] = -1;
+  Open& of_parents = parents.open[at_index(above)];
+  if (--of_parents.open_below == 0) {
+    of_parents.is_emptied = true;
+    parents.emptied.push_back(above);
+  }
+  pair.is_current = false;
+  all.left_m[at_index(index)] = all.left_at_end_m[at_index(index)] = nowhere_m;
   all.free.push_back(index);
+}
+
+/// Where the spheres of a pair tell enough from now on, and nothing below it is open.
+bool NearPairs::close_if_far(int level, int index) {
+  const Level& all = at(level);
+  const LaneOf one = LaneOf::node(m_first, level, all.first[at_index(index)]);
+  const LaneOf other = LaneOf::node(m_second, level, all.second[at_index(index)]);
+  const float apart = apart_m(one, other);
+  if (all.open[at_index(index)].open_below > 0 || !(apart > approach_of(one, other) + m_least_m)) return false;
+  close(level, index, apart);
   return true;
 }
 
 void NearPairs::find(double least_m) {
   m_found.clear();
+  m_places.clear();
+  m_leaves.clear();
   if (m_first.tree().size(0) == 0 || m_second.tree().size(0) == 0) return;
-  const auto least = (1 + lane_rounding) * static_cast<float>(least_m);
-  look_into(top(), 0, least);
-  for (int level = top() - 1; level >= 1; --level) {
-    approach_all(level);
-    // Those that are opened meanwhile are of the level below.
-    for (std::size_t i = 0; i < at(level).open.size(); ++i) {
-      Open& pair = at(level).open[i];
-      if (pair.above < 0 || !is_changed(level, pair)) continue;
-      const bool is_used_up = !(pair.left_at_end_m > least);
-      if (!is_used_up && !pair.is_emptied) continue;
-      pair.is_emptied = false;
-      if (close_if_far(level, static_cast<int>(i), least) || !is_used_up) continue;
+  m_least_m = (1 + lane_rounding) * static_cast<float>(least_m);
+  look_into(top(), 0);
+  for (int level = top() - 1; level >= 0; --level) {
+    find_used_up(level);
+    for (const int index : m_used_up) {
+      if (level == 0) {
+        look_at_pair(index);
+        continue;
+      }
+      at(level).open[at_index(index)].is_emptied = false;
+      if (close_if_far(level, index)) continue;
       if (level > 1) {
-        look_into(level, static_cast<int>(i), least);
+        look_into(level, index);
       } else {
-        look_at_leaf(static_cast<int>(i), least);
+        look_at_leaf(index);
       }
     }
+    for (const int index : at(level).emptied) {
+      if (std::exchange(at(level).open[at_index(index)].is_emptied, false)) close_if_far(level, index);
+    }
+    at(level).emptied.clear();
   }
 }
 
-void NearPairs::approach_all(int level) {
-  std::vector<Open>& open = at(level).open;
-  if (!m_first.is_all_changed()) {
-    for (Open& pair : open) {
-      if (!is_changed(level, pair)) continue;
-      const Four& one = m_first.motion(level, at_index(pair.first));
-      const Four& other = m_second.motion(level, at_index(pair.second));
-      pair.left_at_end_m =
-          left_after(pair.left_m, approach_of({&one, &one, &one, &one}, {&other, &other, &other, &other})[0]);
+void NearPairs::find_used_up(int level) {
+  Level& all = at(level);
+  const std::size_t count = all.first.size();
+  // Told to the compiler once: most of a step's pairs are only looked at here.
+  const int* firsts = all.first.data();
+  const int* seconds = all.second.data();
+  const float* left_m = all.left_m.data();
+  float* left_at_end_m = all.left_at_end_m.data();
+  const float least_m = m_least_m;
+  m_used_up.resize(count);
+  int* used_up = m_used_up.data();
+  const auto ones = m_first.motions(level);
+  const auto others = m_second.motions(level);
+  const auto look_at = [&](std::size_t i) {
+    const float left = left_after(left_m[i], approach_of(ones[firsts[i]], others[seconds[i]]));
+    left_at_end_m[i] = left;
+    *used_up = static_cast<int>(i);
+    if (!(left > least_m)) ++used_up;
+  };
+  if (m_first.is_all_changed()) {
+    for (std::size_t i = 0; i < count; ++i) look_at(i);
+  } else {
+    // Triangles are as their leaf.
+    const int shift = level > 0 ? 0 : std::countr_zero(bvh_width);
+    const auto first = m_first.changed(std::max(level, 1));
+    const auto second = m_second.changed(std::max(level, 1));
+    for (std::size_t i = 0; i < count; ++i) {
+      if (first[firsts[i] >> shift] || second[seconds[i] >> shift]) look_at(i);
     }
-    return;
   }
-  for (std::size_t first = 0; first < open.size(); first += 4) {
-    std::array<const Four*, 4> ones;
-    std::array<const Four*, 4> others;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const Open& pair = open[std::min(first + k, open.size() - 1)];
-      ones[k] = &m_first.motion(level, at_index(pair.first));
-      others[k] = &m_second.motion(level, at_index(pair.second));
-    }
-    const Four approach = approach_of(ones, others);
-    for (std::size_t k = 0; k < std::min<std::size_t>(4, open.size() - first); ++k) {
-      open[first + k].left_at_end_m = left_after(open[first + k].left_m, approach[static_cast<Eigen::Index>(k)]);
-    }
-  }
+  m_used_up.resize(static_cast<std::size_t>(used_up - m_used_up.data()));
 }
 
 void NearPairs::make_current(int level, int index) {
   Open& pair = at(level).open[at_index(index)];
   if (std::exchange(pair.is_current, true)) return;
   at(level).current.push_back(index);
-  const float gone_m = (1 + lane_rounding) * (pair.left_when_current_m - pair.left_m);
+  const float gone_m = (1 + lane_rounding) * (pair.left_when_current_m - at(level).left_m[at_index(index)]);
   for (BvhLanes& row : at(level).blocks[at_index(index)].left_m) {
     for (float& left_m : row) left_m = left_after(left_m, gone_m);
   }
 }
 
-void NearPairs::look_into(int level, int index, float least_m) {
+void NearPairs::look_into(int level, int index) {
   Level& all = at(level);
-  NearBlock& block = all.blocks[at_index(index)];
   make_current(level, index);
-  const SphereLanes& first = m_first.below(level, block.first);
-  const SphereLanes& second = m_second.below(level, block.second);
-  const Open& pair = all.open[at_index(index)];
-  const float soon_m = level < top() ? soon_steps * (pair.left_m - pair.left_at_end_m) : 0;
-  for_each_bit(find_used_up(first, second, least_m, soon_m, block.left_m), [&](std::size_t slot) {
+  PairDistances& left_m = all.blocks[at_index(index)].left_m;
+  const SphereLanes& first = m_first.below(level, at_index(all.first[at_index(index)]));
+  const SphereLanes& second = m_second.below(level, at_index(all.second[at_index(index)]));
+  const float soon_m =
+      level < top() ? soon_steps * (all.left_m[at_index(index)] - all.left_at_end_m[at_index(index)]) : 0;
+  for_each_bit(used_up_slots(first, second, m_least_m, soon_m, left_m), [&](std::size_t slot) {
     const LaneOf one{first, slot / bvh_width};
     const LaneOf other{second, slot % bvh_width};
-    float& left_m = block.left_m[one.lane][other.lane];
-    if (is_far(left_m, one, other) && left_m > approach_of(one, other) + least_m) return;
-    if (closest_m(one, other) > least_m || all.below[at_index(index)][slot] >= 0) return;
-    left_m = nowhere_m;
-    all.below[at_index(index)][slot] = open(level - 1, index, static_cast<int>(slot));
-    ++all.open[at_index(index)].open_below;
+    if (left_m[one.lane][other.lane] > approach_of(one, other) + m_least_m) return;
+    if (closest_m(one, other) > m_least_m || all.below[at_index(index)][slot] >= 0) return;
+    (void)open(level - 1, index, static_cast<int>(slot));
   });
-  all.open[at_index(index)].left_m = least_of(block.left_m);
+  all.left_m[at_index(index)] = least_of(left_m);
 }
 
-void NearPairs::look_at_leaf(int index, float least_m) {
-  NearBlock& block = leaf(index);
-  const Open& pair = at(1).open[at_index(index)];
-  if (closest_m(LaneOf::node(m_first, 1, pair.first), LaneOf::node(m_second, 1, pair.second)) > least_m) return;
+void NearPairs::look_at_leaf(int index) {
+  Level& all = at(1);
+  const int first = all.first[at_index(index)];
+  const int second = all.second[at_index(index)];
+  if (closest_m(LaneOf::node(m_first, 1, first), LaneOf::node(m_second, 1, second)) > m_least_m) return;
   make_current(1, index);
+  PairDistances& left_m = all.blocks[at_index(index)].left_m;
   // What slides on another surface is as close again at once.
-  const float soon_m = &m_first == &m_second ? soon_steps * (pair.left_m - pair.left_at_end_m) : 0;
-  block.found =
-      find_used_up(m_first.below(1, block.first), m_second.below(1, block.second), least_m, soon_m, block.left_m);
-  m_found.push_back(index);
+  const float soon_m =
+      &m_first == &m_second ? soon_steps * (all.left_m[at_index(index)] - all.left_at_end_m[at_index(index)]) : 0;
+  const SphereLanes& of_first = m_first.below(1, at_index(first));
+  const SphereLanes& of_second = m_second.below(1, at_index(second));
+  for_each_bit(used_up_slots(of_first, of_second, m_least_m, soon_m, left_m), [&](std::size_t slot) {
+    const LaneOf one{of_first, slot / bvh_width};
+    const LaneOf other{of_second, slot % bvh_width};
+    m_found.push_back({at_index(first) * bvh_width + one.lane, at_index(second) * bvh_width + other.lane,
+                       approach_of(one, other), left_m[one.lane][other.lane]});
+    m_places.push_back({index, static_cast<int>(slot)});
+  });
+  m_leaves.push_back(index);
 }
 
-float NearPairs::approach_m(const NearBlock& leaf, std::size_t row, std::size_t column) {
-  return approach_of({m_first.below(1, leaf.first), row}, {m_second.below(1, leaf.second), column});
+void NearPairs::look_at_pair(int index) {
+  const Level& all = at(0);
+  const int first = all.first[at_index(index)];
+  const int second = all.second[at_index(index)];
+  const LaneOf one = LaneOf::node(m_first, 0, first);
+  const LaneOf other = LaneOf::node(m_second, 0, second);
+  const NearPair pair{at_index(first), at_index(second), approach_of(one, other),
+                      std::max(all.left_m[at_index(index)], apart_m(one, other))};
+  if (lasts(pair, 1)) {
+    keep_open(index, pair);
+  } else {
+    m_found.push_back(pair);
+    m_places.push_back({index, -1});
+  }
+}
+
+bool NearPairs::lasts(const NearPair& pair, float steps) const {
+  return pair.left_m > steps * pair.approach_m + m_least_m;
+}
+
+void NearPairs::keep_open(int index, const NearPair& pair) {
+  if (lasts(pair, away_steps)) {
+    close(0, index, pair.left_m);
+    return;
+  }
+  at(0).left_m[at_index(index)] = pair.left_m;
+  at(0).left_at_end_m[at_index(index)] = left_after(pair.left_m, pair.approach_m);
 }
 
 void NearPairs::tell() {
-  for (const int index : m_found) at(1).open[at_index(index)].left_m = least_of(leaf(index).left_m);
+  for (std::size_t i = 0; i < m_found.size(); ++i) {
+    const auto& [index, slot] = m_places[i];
+    if (slot < 0) {
+      keep_open(index, m_found[i]);
+    } else if (lasts(m_found[i], 1)) {
+      at(1).blocks[at_index(index)].left_m[at_index(slot) / bvh_width][at_index(slot) % bvh_width] = m_found[i].left_m;
+    } else {
+      keep_open(open(0, index, slot), m_found[i]);
+    }
+  }
+  for (const int leaf : m_leaves) at(1).left_m[at_index(leaf)] = least_of(at(1).blocks[at_index(leaf)].left_m);
 }
 
 void NearPairs::move_on() {
-  for (int level = 1; level <= top(); ++level) {
+  for (int level = 0; level <= top(); ++level) {
     Level& all = at(level);
-    for (Open& pair : all.open) {
-      if (!pair.is_current) pair.left_m = pair.left_at_end_m;
-    }
+    all.left_m.swap(all.left_at_end_m);
     for (const int index : all.current) {
-      NearBlock& block = all.blocks[at_index(index)];
-      Open& pair = all.open[at_index(index)];
-      pair.is_current = false;
-      pair.left_m = pair.left_when_current_m =
-          take_off_approach(m_first.below(level, block.first), m_second.below(level, block.second), block.left_m);
+      const auto i = at_index(index);
+      if (!std::exchange(all.open[i].is_current, false)) continue;  // closed since
+      all.left_m[i] = all.open[i].left_when_current_m =
+          take_off_approach(m_first.below(level, at_index(all.first[i])),
+                            m_second.below(level, at_index(all.second[i])), all.blocks[i].left_m);
     }
     all.current.clear();
     constexpr std::size_t few = 64;
@@ -274,8 +337,9 @@ void NearPairs::move_on() {
 
 std::size_t NearPairs::bytes() const {
   std::size_t bytes = 0;
-  for (const Level& level : m_levels) {
-    bytes += level.open.size() * (sizeof(Open) + sizeof(NearBlock)) + level.below.size() * sizeof(level.below[0]);
+  for (const Level& all : m_levels) {
+    bytes += all.open.size() * (sizeof(Open) + 2 * sizeof(int) + 2 * sizeof(float)) +
+             all.blocks.size() * sizeof(Block) + all.below.size() * sizeof(all.below[0]);
   }
   return bytes;
 }
@@ -283,24 +347,36 @@ std::size_t NearPairs::bytes() const {
 /// Gives back what a flight opened and has closed since.
 void NearPairs::compact(int level) {
   Level& all = at(level);
-  std::size_t kept = 0;
+  std::vector<int> kept;
+  std::vector<int> place(all.open.size(), -1);
   for (std::size_t i = 0; i < all.open.size(); ++i) {
     if (all.open[i].above < 0) continue;
-    all.open[kept] = all.open[i];
-    all.blocks[kept] = all.blocks[i];
-    at(level + 1).below[at_index(all.open[kept].above)][at_index(all.open[kept].slot)] = static_cast<int>(kept);
-    if (level > 1) {
-      all.below[kept] = all.below[i];
-      for (const int below : all.below[kept]) {
-        if (below >= 0) at(level - 1).open[at_index(below)].above = static_cast<int>(kept);
-      }
-    }
-    ++kept;
+    place[i] = static_cast<int>(kept.size());
+    kept.push_back(static_cast<int>(i));
   }
-  all.open.resize(kept);
-  all.blocks.resize(kept);
-  if (level > 1) all.below.resize(kept);
+  const auto keep = [&](auto& of_pairs) {
+    if (of_pairs.empty()) return;
+    for (std::size_t i = 0; i < kept.size(); ++i) of_pairs[i] = of_pairs[at_index(kept[i])];
+    of_pairs.resize(kept.size());
+  };
+  keep(all.open);
+  keep(all.first);
+  keep(all.second);
+  keep(all.left_m);
+  keep(all.left_at_end_m);
+  keep(all.blocks);
+  keep(all.below);
   all.free.clear();
+  for (int& index : all.emptied) index = place[at_index(index)];
+  std::erase(all.emptied, -1);
+  if (level > 0) {
+    for (Open& child : at(level - 1).open) {
+      if (child.above >= 0) child.above = place[at_index(child.above)];
+    }
+    for (std::size_t i = 0; i < all.open.size(); ++i) {
+      at(level + 1).below[at_index(all.open[i].above)][at_index(all.open[i].slot)] = static_cast<int>(i);
+    }
+  }
 }
 
 }  // namespace musclebench

@@ -111,7 +111,7 @@ void PassagePaths::change(std::span<const int> nodes) {
 }
 
 void PassagePaths::move_on() {
-  for (Meeting& meeting : m_meetings) meeting.pairs.move_on();
+  for_each_meeting([](NearPairs& pairs) { pairs.move_on(); });
 }
 
 bool PassagePaths::is_held(const PassageStencil& stencil) const {

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstddef>
-#include <cstdint>
 #include <deque>
 #include <span>
 #include <utility>
@@ -96,11 +94,16 @@ class PassagePaths {
     const TriangleTree& second;
     NearPairs pairs;
   };
-  struct FoundLeaf {
-    Meeting* meeting;
-    int leaf;
+  struct FoundPair {
+    const Meeting* meeting;
+    NearPair* pair;
   };
 
+  template <typename Work>
+  void for_each_meeting(const Work& work) {
+    for_each_chunk(m_meetings.size(), 1, m_threads,
+                   [&](std::size_t i, std::size_t, std::size_t) { work(m_meetings[i].pairs); });
+  }
   [[nodiscard]] const PathsInBone& paths_in(int bone, int node) const {
     return m_bones[static_cast<std::size_t>(bone)].muscles[body_of(m_bodies, node)];
   }
@@ -122,36 +125,29 @@ class PassagePaths {
   std::deque<Muscle> m_muscles;        ///< by body
   std::deque<BoneSurface> m_bones;
   std::deque<Meeting> m_meetings;
-  std::vector<FoundLeaf> m_found;
+  std::vector<FoundPair> m_found;
 };
 
 template <typename Found, typename Visit>
 void PassagePaths::for_each_near(double least_m, std::vector<Found>& found, const Visit& visit) {
+  for_each_meeting([&](NearPairs& pairs) { pairs.find(least_m); });
   m_found.clear();
   for (Meeting& meeting : m_meetings) {
-    meeting.pairs.find(least_m);
-    for (const int leaf : meeting.pairs.leaves()) m_found.push_back({&meeting, leaf});
+    for (NearPair& pair : meeting.pairs.found()) m_found.push_back({&meeting, &pair});
   }
-  constexpr std::size_t leaves_at_once = 4;
-  found.resize(chunk_count(m_found.size(), leaves_at_once));
-  for_each_chunk(m_found.size(), leaves_at_once, m_threads, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+  constexpr std::size_t pairs_at_once = 16;
+  found.resize(chunk_count(m_found.size(), pairs_at_once));
+  for_each_chunk(m_found.size(), pairs_at_once, m_threads, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      auto& [bone, first, second, pairs] = *m_found[i].meeting;
-      NearBlock& leaf = pairs.leaf(m_found[i].leaf);
-      for (std::uint64_t bits = leaf.found; bits != 0; bits &= bits - 1) {
-        const auto slot = static_cast<std::size_t>(std::countr_zero(bits));
-        const std::size_t row = slot / bvh_width;
-        const std::size_t column = slot % bvh_width;
-        float& left_m = leaf.left_m[row][column];
-        const float enough_m = pairs.approach_m(leaf, row, column) + static_cast<float>(least_m);
-        left_m = std::max(left_m,
-                          (1 - lane_rounding) *
-                              static_cast<float>(visit(found[chunk], bone, first.triangle(leaf.first * bvh_width + row),
-                                                       second.triangle(leaf.second * bvh_width + column), enough_m)));
-      }
+      const Meeting& meeting = *m_found[i].meeting;
+      NearPair& pair = *m_found[i].pair;
+      const double enough_m = pair.approach_m + static_cast<float>(least_m);
+      const double apart_m = visit(found[chunk], meeting.bone, meeting.first.triangle(pair.first),
+                                   meeting.second.triangle(pair.second), enough_m);
+      pair.left_m = std::max(pair.left_m, (1 - lane_rounding) * static_cast<float>(apart_m));
     }
   });
-  for (Meeting& meeting : m_meetings) meeting.pairs.tell();
+  for_each_meeting([](NearPairs& pairs) { pairs.tell(); });
 }
 
 template <typename Visit>

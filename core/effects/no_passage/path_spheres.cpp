@@ -150,9 +150,7 @@ PathSphere PathSphere::around(std::span<const PathSphere> parts) {
 
 PathSpheres::PathSpheres(const TriangleTree& tree, const Vec3& origin) : m_tree(tree), m_origin(origin) {
   for (int level = 1; level <= tree.top(); ++level) {
-    const std::size_t nodes = tree.size(level);
-    m_levels.push_back({std::vector<SphereLanes>(nodes), std::vector<unsigned>(nodes, 0),
-                        std::vector<unsigned>(nodes, 0), std::vector<Four>(nodes * bvh_width)});
+    m_levels.emplace_back(tree.size(level));
   }
 }
 
@@ -167,7 +165,7 @@ void PathSpheres::change(std::span<const int> vertices) {
         Level& of = m_levels[at_index(level) - 1];
         if (of.changed[node] == m_changes) break;
         of.changed[node] = m_changes;
-        of.made[node] = 0;
+        of.made[node].store(0, std::memory_order_relaxed);
         forget_sphere(level, node);
       }
     }
@@ -176,13 +174,15 @@ void PathSpheres::change(std::span<const int> vertices) {
 
 void PathSpheres::make(int level, std::size_t node) {
   Level& of = m_levels[at_index(level) - 1];
-  of.made[node] = m_paths;
+  const std::scoped_lock lock(m_making);
+  if (of.made[node].load(std::memory_order_relaxed) == m_paths) return;
   SphereLanes& lanes = of.below[node];
   fill(level, node, lanes);
   for (std::size_t lane = 0; lane < bvh_width; ++lane) {
     of.motions[node * bvh_width + lane] =
         Four(lanes.move[0][lane], lanes.move[1][lane], lanes.move[2][lane], lanes.spread_m[lane]);
   }
+  of.made[node].store(m_paths, std::memory_order_release);
 }
 
 void PathSpheres::set(SphereLanes& lanes, std::size_t lane, const PathSphere& sphere) const {
@@ -259,7 +259,12 @@ TrianglePath GivenPaths::triangle(std::size_t triangle) const {
   return {&m_vertices[at_index(a)], &m_vertices[at_index(b)], &m_vertices[at_index(c)]};
 }
 
-const PathSphere& GivenPaths::sphere(int level, std::size_t node) {
+PathSphere GivenPaths::sphere(int level, std::size_t node) {
+  const std::scoped_lock lock(making());
+  return make_sphere(level, node);
+}
+
+const PathSphere& GivenPaths::make_sphere(int level, std::size_t node) {
   Made& made = m_spheres[at_index(level) - 1][node];
   if (made.paths == m_paths) return made.sphere;
   made.paths = m_paths;
@@ -267,7 +272,7 @@ const PathSphere& GivenPaths::sphere(int level, std::size_t node) {
   std::array<PathSphere, bvh_width> parts;
   std::size_t count = 0;
   for (std::size_t child = node * bvh_width; child < m_tree.size(level - 1) && count < bvh_width; ++child) {
-    parts[count++] = sphere(level - 1, child);
+    parts[count++] = make_sphere(level - 1, child);
   }
   return made.sphere = PathSphere::around(std::span(parts).first(count));
 }
@@ -276,7 +281,8 @@ void GivenPaths::fill(int level, std::size_t node, SphereLanes& lanes) {
   const std::size_t first = node * bvh_width;
   const std::size_t count = std::min(bvh_width, m_tree.size(level - 1) - first);
   if (level > 1) {
-    for (std::size_t lane = 0; lane < count; ++lane) PathSpheres::set(lanes, lane, sphere(level - 1, first + lane));
+    for (std::size_t lane = 0; lane < count; ++lane)
+      PathSpheres::set(lanes, lane, make_sphere(level - 1, first + lane));
     for (std::size_t lane = count; lane < bvh_width; ++lane) clear(lanes, lane);
     return;
   }

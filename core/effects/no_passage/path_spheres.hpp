@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -76,7 +78,8 @@ struct PathSphere {
   static PathSphere around(std::span<const PathSphere> parts);
 };
 
-/// The spheres of a surface's tree in one frame, made as they are asked for. Not safe from several threads.
+/// The spheres of a surface's tree in one frame, made as they are asked for. Several threads may ask for them at once;
+/// setting and changing paths takes one.
 class PathSpheres {
  public:
   /// The tree is kept by reference. `origin`: see SphereLanes.
@@ -89,22 +92,40 @@ class PathSpheres {
   /// The paths of these vertices have changed since they were set, those of all others have not.
   void change(std::span<const int> vertices);
   [[nodiscard]] bool is_all_changed() const { return m_is_all_changed; }
-  /// Whether a node has such a vertex; always true before.
-  [[nodiscard]] bool is_changed(int level, int node) const {
-    return m_is_all_changed ||
-           m_levels[static_cast<std::size_t>(level) - 1].changed[static_cast<std::size_t>(node)] == m_changes;
+  /// Of the nodes of a level, by number: whether one has such a vertex. Says nothing while all are changed.
+  struct Changed {
+    const unsigned* in;
+    unsigned last;
+
+    bool operator[](int node) const { return in[node] == last; }
+  };
+  [[nodiscard]] Changed changed(int level) const {
+    return {m_levels[static_cast<std::size_t>(level) - 1].changed.data(), m_changes};
   }
   /// Of the children of a node of level 1 or more.
   [[nodiscard]] const SphereLanes& below(int level, std::size_t node) {
     Level& of = m_levels[static_cast<std::size_t>(level) - 1];
-    if (of.made[node] != m_paths) make(level, node);
+    if (of.made[node].load(std::memory_order_acquire) != m_paths) make(level, node);
     return of.below[node];
   }
-  /// Of a node below the root: how its centre moves, m, and its spread.
-  [[nodiscard]] const Four& motion(int level, std::size_t node) {
-    Level& of = m_levels[static_cast<std::size_t>(level)];
-    if (of.made[node / bvh_width] != m_paths) make(level + 1, node / bvh_width);
-    return of.motions[node];
+  /// Of the nodes of a level below the root, by number: how the centre moves, m, and its spread.
+  struct Motions {
+    PathSpheres& of;
+    const Four* all;
+    const std::atomic<unsigned>* made;
+    unsigned paths;
+    int level_above;
+
+    const Four& operator[](int node) const {
+      const std::size_t above = static_cast<std::size_t>(node) / bvh_width;
+      if (made[above].load(std::memory_order_acquire) != paths) [[unlikely]]
+        of.make(level_above, above);
+      return all[node];
+    }
+  };
+  [[nodiscard]] Motions motions(int level) {
+    const Level& above = m_levels[static_cast<std::size_t>(level)];
+    return {*this, above.motions.data(), above.made.data(), m_paths, level + 1};
   }
 
  protected:
@@ -116,6 +137,8 @@ class PathSpheres {
   virtual void forget_vertex(int /*vertex*/) {}
   virtual void forget_sphere(int /*level*/, std::size_t /*node*/) {}
   virtual void fill(int level, std::size_t node, SphereLanes& lanes) = 0;
+  /// Held while something is made.
+  std::mutex& making() { return m_making; }
   void set(SphereLanes& lanes, std::size_t lane, const PathSphere& sphere) const;
   /// So that it is far from everything.
   static void clear(SphereLanes& lanes, std::size_t lane);
@@ -128,15 +151,18 @@ class PathSpheres {
 
  private:
   struct Level {
-    std::vector<SphereLanes> below;  ///< by node
-    std::vector<unsigned> made;      ///< by node: from what paths
-    std::vector<unsigned> changed;   ///< by node: in what change
-    std::vector<Four> motions;       ///< by child
+    explicit Level(std::size_t nodes) : below(nodes), made(nodes), changed(nodes), motions(nodes * bvh_width) {}
+
+    std::vector<SphereLanes> below;           ///< by node
+    std::vector<std::atomic<unsigned>> made;  ///< by node: from what paths
+    std::vector<unsigned> changed;            ///< by node: in what change
+    std::vector<Four> motions;                ///< by child
   };
   void make(int level, std::size_t node);
 
   std::vector<Level> m_levels;  ///< from 1 on
-  unsigned m_changes = 0;       ///< counts them
+  std::mutex m_making;
+  unsigned m_changes = 0;  ///< counts them
   bool m_is_all_changed = true;
 };
 
@@ -148,10 +174,11 @@ class GivenPaths final : public PathSpheres {
   /// By vertex, relative to `origin`; kept by reference.
   void set(std::span<const VertexPath> paths, const Vec3& origin);
   /// Of a node of level 1 or more.
-  [[nodiscard]] const PathSphere& sphere(int level, std::size_t node);
+  [[nodiscard]] PathSphere sphere(int level, std::size_t node);
   [[nodiscard]] TrianglePath triangle(std::size_t triangle) const;
 
  private:
+  const PathSphere& make_sphere(int level, std::size_t node);
   void fill(int level, std::size_t node, SphereLanes& lanes) override;
   void forget_sphere(int level, std::size_t node) override {
     m_spheres[static_cast<std::size_t>(level) - 1][node].paths = 0;

@@ -88,8 +88,8 @@ namespace musclebench {
 HWY_EXPORT(used_up);
 HWY_EXPORT(take_off);
 
-std::uint64_t find_used_up(const SphereLanes& first, const SphereLanes& second, float least_m, float soon_m,
-                           PairDistances& left_m) {
+std::uint64_t used_up_slots(const SphereLanes& first, const SphereLanes& second, float least_m, float soon_m,
+                            PairDistances& left_m) {
   return HWY_DYNAMIC_DISPATCH(used_up)(first, second, least_m, soon_m, left_m);
 }
 

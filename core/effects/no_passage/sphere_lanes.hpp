@@ -36,8 +36,8 @@ using PairDistances = std::array<BvhLanes, bvh_width>;
 
 /// Raises the distances to what the spheres tell of the start, and finds the pairs that may then come closer than
 /// `least_m` or are closer than `soon_m`: bit 8 i + j for row i and column j.
-std::uint64_t find_used_up(const SphereLanes& first, const SphereLanes& second, float least_m, float soon_m,
-                           PairDistances& left_m);
+std::uint64_t used_up_slots(const SphereLanes& first, const SphereLanes& second, float least_m, float soon_m,
+                            PairDistances& left_m);
 
 /// Takes off how far the spheres approach each other, and returns the least that is left.
 float take_off_approach(const SphereLanes& first, const SphereLanes& second, PairDistances& left_m);

@@ -99,7 +99,7 @@ TEST_F(PathSpheresTest, AreMadeAnewWhereVerticesMovedAgain) {
   GivenPaths spheres(m_tree, m_ball.triangles);
   spheres.set(m_paths, m_origin);
   expect_bounds(spheres, m_start, m_end, m_origin);
-  EXPECT_TRUE(spheres.is_changed(1, 0));
+  EXPECT_TRUE(spheres.is_all_changed());
   const std::vector<int> moved{3, 50, 51};
   for (const int vertex : moved) {
     const auto v = static_cast<std::size_t>(vertex);
@@ -112,7 +112,7 @@ TEST_F(PathSpheresTest, AreMadeAnewWhereVerticesMovedAgain) {
   for (std::size_t leaf = 0; leaf < m_tree.size(1); ++leaf) {
     const auto of = m_tree.vertices(1, leaf);
     const bool has_moved = std::ranges::any_of(of, [&](int v) { return std::ranges::count(moved, v) > 0; });
-    EXPECT_EQ(spheres.is_changed(1, static_cast<int>(leaf)), has_moved);
+    EXPECT_EQ(spheres.changed(1)[static_cast<int>(leaf)], has_moved);
     changed += has_moved ? 1 : 0;
   }
   EXPECT_LT(changed, m_tree.size(1));
