@@ -14,8 +14,11 @@ namespace {
 /// What would be used up within so many steps like this is measured together with others, so that the next steps need
 /// not look at the same pair of nodes.
 constexpr float soon_steps = 2;
-/// Triangles that a step may bring together are open by themselves until what is left lasts for so many.
+/// Triangles that a step may bring together are open by themselves until what is left lasts for so many steps; with
+/// fewer they would be opened again at once.
 constexpr float away_steps = 4;
+/// Eights that have more of them are looked at whole, as nothing in them rests: a body that bursts meets everything.
+constexpr int most_opened = 16;
 
 std::size_t at_index(int value) { return static_cast<std::size_t>(value); }
 
@@ -105,7 +108,7 @@ int NearPairs::open(int level, int above, int slot) {
     index = at_index(all.free.back());
     all.free.pop_back();
   }
-  all.open[index] = {.above = above, .slot = slot};
+  all.open[index] = {.is_used = true, .above = above, .slot = slot};
   all.first[index] = all.second[index] = 0;
   if (above >= 0) {
     const Level& parents = at(level + 1);
@@ -137,17 +140,14 @@ void NearPairs::close(int level, int index, float left_m) {
   Level& all = at(level);
   Level& parents = at(level + 1);
   Open& pair = all.open[at_index(index)];
-  const int above = std::exchange(pair.above, -1);
+  const int above = pair.above;
   make_current(level + 1, above);
   parents.blocks[at_index(above)].left_m[at_index(pair.slot) / bvh_width][at_index(pair.slot) % bvh_width] = left_m;
   parents.left_m[at_index(above)] = std::min(parents.left_m[at_index(above)], left_m);
   if (level > 0) parents.below[at_index(above)][at_index(pair.slot)] = -1;
   Open& of_parents = parents.open[at_index(above)];
-  if (--of_parents.open_below == 0) {
-    of_parents.is_emptied = true;
-    parents.emptied.push_back(above);
-  }
-  pair.is_current = false;
+  if (--of_parents.open_below == 0 && !std::exchange(of_parents.is_emptied, true)) parents.emptied.push_back(above);
+  pair = {};
   all.left_m[at_index(index)] = all.left_at_end_m[at_index(index)] = nowhere_m;
   all.free.push_back(index);
 }
@@ -155,17 +155,18 @@ void NearPairs::close(int level, int index, float left_m) {
 /// Where the spheres of a pair tell enough from now on, and nothing below it is open.
 bool NearPairs::close_if_far(int level, int index) {
   const Level& all = at(level);
+  if (all.open[at_index(index)].open_below > 0) return false;
   const LaneOf one = LaneOf::node(m_first, level, all.first[at_index(index)]);
   const LaneOf other = LaneOf::node(m_second, level, all.second[at_index(index)]);
   const float apart = apart_m(one, other);
-  if (all.open[at_index(index)].open_below > 0 || !(apart > approach_of(one, other) + m_least_m)) return false;
+  if (!(apart > approach_of(one, other) + m_least_m)) return false;
   close(level, index, apart);
   return true;
 }
 
 void NearPairs::find(double least_m) {
   m_found.clear();
-  m_places.clear();
+  m_sources.clear();
   m_leaves.clear();
   if (m_first.tree().size(0) == 0 || m_second.tree().size(0) == 0) return;
   m_least_m = (1 + lane_rounding) * static_cast<float>(least_m);
@@ -173,11 +174,13 @@ void NearPairs::find(double least_m) {
   for (int level = top() - 1; level >= 0; --level) {
     find_used_up(level);
     for (const int index : m_used_up) {
+      Open& pair = at(level).open[at_index(index)];
+      if (!pair.is_used) continue;
       if (level == 0) {
         look_at_pair(index);
         continue;
       }
-      at(level).open[at_index(index)].is_emptied = false;
+      pair.is_emptied = false;
       if (close_if_far(level, index)) continue;
       if (level > 1) {
         look_into(level, index);
@@ -195,7 +198,7 @@ void NearPairs::find(double least_m) {
 void NearPairs::find_used_up(int level) {
   Level& all = at(level);
   const std::size_t count = all.first.size();
-  // Told to the compiler once: most of a step's pairs are only looked at here.
+  // Pointers, so that they need not be read again after each store: most pairs are only looked at here.
   const int* firsts = all.first.data();
   const int* seconds = all.second.data();
   const float* left_m = all.left_m.data();
@@ -265,12 +268,13 @@ void NearPairs::look_at_leaf(int index) {
       &m_first == &m_second ? soon_steps * (all.left_m[at_index(index)] - all.left_at_end_m[at_index(index)]) : 0;
   const SphereLanes& of_first = m_first.below(1, at_index(first));
   const SphereLanes& of_second = m_second.below(1, at_index(second));
-  for_each_bit(used_up_slots(of_first, of_second, m_least_m, soon_m, left_m), [&](std::size_t slot) {
+  const std::uint64_t used_up = used_up_slots(of_first, of_second, m_least_m, soon_m, left_m);
+  for_each_bit(used_up, [&](std::size_t slot) {
     const LaneOf one{of_first, slot / bvh_width};
     const LaneOf other{of_second, slot % bvh_width};
     m_found.push_back({at_index(first) * bvh_width + one.lane, at_index(second) * bvh_width + other.lane,
                        approach_of(one, other), left_m[one.lane][other.lane]});
-    m_places.push_back({index, static_cast<int>(slot)});
+    m_sources.push_back({index, static_cast<int>(slot), std::popcount(used_up) <= most_opened});
   });
   m_leaves.push_back(index);
 }
@@ -284,10 +288,10 @@ void NearPairs::look_at_pair(int index) {
   const NearPair pair{at_index(first), at_index(second), approach_of(one, other),
                       std::max(all.left_m[at_index(index)], apart_m(one, other))};
   if (lasts(pair, 1)) {
-    keep_open(index, pair);
+    keep_or_close(index, pair);
   } else {
     m_found.push_back(pair);
-    m_places.push_back({index, -1});
+    m_sources.push_back({index, -1, true});
   }
 }
 
@@ -295,7 +299,7 @@ bool NearPairs::lasts(const NearPair& pair, float steps) const {
   return pair.left_m > steps * pair.approach_m + m_least_m;
 }
 
-void NearPairs::keep_open(int index, const NearPair& pair) {
+void NearPairs::keep_or_close(int index, const NearPair& pair) {
   if (lasts(pair, away_steps)) {
     close(0, index, pair.left_m);
     return;
@@ -306,13 +310,13 @@ void NearPairs::keep_open(int index, const NearPair& pair) {
 
 void NearPairs::tell() {
   for (std::size_t i = 0; i < m_found.size(); ++i) {
-    const auto& [index, slot] = m_places[i];
+    const auto& [index, slot, may_open] = m_sources[i];
     if (slot < 0) {
-      keep_open(index, m_found[i]);
-    } else if (lasts(m_found[i], 1)) {
+      keep_or_close(index, m_found[i]);
+    } else if (!may_open || lasts(m_found[i], 1)) {
       at(1).blocks[at_index(index)].left_m[at_index(slot) / bvh_width][at_index(slot) % bvh_width] = m_found[i].left_m;
     } else {
-      keep_open(open(0, index, slot), m_found[i]);
+      keep_or_close(open(0, index, slot), m_found[i]);
     }
   }
   for (const int leaf : m_leaves) at(1).left_m[at_index(leaf)] = least_of(at(1).blocks[at_index(leaf)].left_m);
@@ -344,13 +348,13 @@ std::size_t NearPairs::bytes() const {
   return bytes;
 }
 
-/// Gives back what a flight opened and has closed since.
+/// So that steps do not go through what a flight opened and has closed since.
 void NearPairs::compact(int level) {
   Level& all = at(level);
   std::vector<int> kept;
   std::vector<int> place(all.open.size(), -1);
   for (std::size_t i = 0; i < all.open.size(); ++i) {
-    if (all.open[i].above < 0) continue;
+    if (!all.open[i].is_used) continue;
     place[i] = static_cast<int>(kept.size());
     kept.push_back(static_cast<int>(i));
   }
@@ -371,7 +375,7 @@ void NearPairs::compact(int level) {
   std::erase(all.emptied, -1);
   if (level > 0) {
     for (Open& child : at(level - 1).open) {
-      if (child.above >= 0) child.above = place[at_index(child.above)];
+      if (child.is_used) child.above = place[at_index(child.above)];
     }
     for (std::size_t i = 0; i < all.open.size(); ++i) {
       at(level + 1).below[at_index(all.open[i].above)][at_index(all.open[i].slot)] = static_cast<int>(i);

@@ -26,7 +26,8 @@ struct NearPair {
 /// front one by one, so that most steps need not look at what is around them.
 ///
 /// A step: set the paths, `find`, look at the pairs of `found` and raise their `left_m`, `tell`; all of this again for
-/// other paths from the same start; and `move_on` once the last of them are taken.
+/// other paths from the same start; and `move_on` once the last of them are taken. Where only some paths are others,
+/// the same `least_m` has to be asked for, as only what they changed is looked at.
 class NearPairs {
  public:
   /// Two trees of as many levels, or one twice: then each pair of triangles is there once. Kept by reference.
@@ -45,14 +46,17 @@ class NearPairs {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  /// A pair of nodes that is looked into or, on level 0, of triangles; besides what each step goes through.
+  /// A pair of nodes that is looked into or, on level 0, of triangles. What each step reads of all pairs is in arrays
+  /// of its own.
   struct Open {
-    int above = -1;                 ///< index of the pair of their parents; -1: not used
-    int slot = 0;                   ///< in its block
-    float left_when_current_m = 0;  ///< `left_m` when the block was last current: its distances are too large by more
-    int open_below = 0;             ///< how many pairs of its block are open in turn
-    bool is_emptied = false;        ///< whether the last of them was closed since the last time
-    bool is_current = false;        ///< whether distances in its block are those where the paths start
+    bool is_used = false;     ///< or closed, and to be used again
+    bool is_emptied = false;  ///< whether the last pair below was closed since the last time
+    bool is_current = false;  ///< whether distances in its block are those where the paths start
+    int above = -1;           ///< index of the pair of their parents; -1: the roots
+    int slot = 0;             ///< in its block
+    int open_below = 0;       ///< how many pairs of its block are open in turn
+    /// `left_m` when the block was last current: its distances are too large by what `left_m` has lost since.
+    float left_when_current_m = 0;
   };
   /// How far each two children are apart at least where the paths start, m; `nowhere_m`: open.
   struct alignas(32) Block {
@@ -72,9 +76,10 @@ class NearPairs {
     std::vector<int> emptied;
   };
   /// Where a found pair is kept: open by itself, or in a slot of a leaf.
-  struct Place {
+  struct Source {
     int index;
-    int slot;  ///< -1: open
+    int slot;  ///< -1: open by itself
+    bool may_open;
   };
 
   [[nodiscard]] Level& at(int level) { return m_levels[static_cast<std::size_t>(level)]; }
@@ -91,7 +96,7 @@ class NearPairs {
   void make_current(int level, int index);
   /// Whether what is left is enough for so many steps.
   [[nodiscard]] bool lasts(const NearPair& pair, float steps) const;
-  void keep_open(int index, const NearPair& pair);
+  void keep_or_close(int index, const NearPair& pair);
 
   PathSpheres& m_first;
   PathSpheres& m_second;
@@ -99,8 +104,8 @@ class NearPairs {
   float m_least_m = 0;          ///< of the last `find`
   std::vector<int> m_used_up;
   std::vector<NearPair> m_found;
-  std::vector<Place> m_places;  ///< of `m_found`
-  std::vector<int> m_leaves;    ///< that have some of them
+  std::vector<Source> m_sources;  ///< of `m_found`
+  std::vector<int> m_leaves;      ///< that have some of them
 };
 
 }  // namespace musclebench

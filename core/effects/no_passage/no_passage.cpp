@@ -143,13 +143,14 @@ class NoPassage final : public ContactStage {
     m_paths.for_each_stencil_of(bone, t, other, [&](const PassageStencil& stencil) {
       left_m = std::min(left_m, distance_of(stencil.kind, m_paths.starts_of(stencil)));
     });
-    if (left_m > enough_m) return left_m;
+    // What goes through each other has features that are apart, too: its distance has to be asked for again.
+    const double told_m = m_left_out.concerns(bone, t, other) ? 0 : left_m;
+    if (left_m > enough_m) return told_m;
     m_paths.for_each_stencil_of(bone, t, other, [&](const PassageStencil& stencil) {
       const StencilCorners start = m_paths.starts_of(stencil);
       follow(stencil, start, gap_of(stencil.kind, start), hits);
     });
-    // What intersects has features that are apart, too.
-    return m_left_out.concerns(bone, t, other) ? 0 : left_m;
+    return told_m;
   }
 
   void follow(const PassageStencil& stencil, const StencilCorners& start, const StencilGap& before,

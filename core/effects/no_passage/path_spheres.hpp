@@ -78,8 +78,8 @@ struct PathSphere {
   static PathSphere around(std::span<const PathSphere> parts);
 };
 
-/// The spheres of a surface's tree in one frame, made as they are asked for. Several threads may ask for them at once;
-/// setting and changing paths takes one.
+/// The spheres of a surface's tree in one frame, made as they are asked for. Several threads may ask for them at once.
+/// Paths are set and changed only while none does, and what was asked for holds until then.
 class PathSpheres {
  public:
   /// The tree is kept by reference. `origin`: see SphereLanes.
@@ -94,10 +94,10 @@ class PathSpheres {
   [[nodiscard]] bool is_all_changed() const { return m_is_all_changed; }
   /// Of the nodes of a level, by number: whether one has such a vertex. Says nothing while all are changed.
   struct Changed {
-    const unsigned* in;
-    unsigned last;
+    const unsigned* changed_in;
+    unsigned change;
 
-    bool operator[](int node) const { return in[node] == last; }
+    bool operator[](int node) const { return changed_in[node] == change; }
   };
   [[nodiscard]] Changed changed(int level) const {
     return {m_levels[static_cast<std::size_t>(level) - 1].changed.data(), m_changes};
@@ -173,7 +173,7 @@ class GivenPaths final : public PathSpheres {
 
   /// By vertex, relative to `origin`; kept by reference.
   void set(std::span<const VertexPath> paths, const Vec3& origin);
-  /// Of a node of level 1 or more.
+  /// Of a node of level 1 or more. Paths in a bone ask for it while they make theirs: of the two locks theirs is first.
   [[nodiscard]] PathSphere sphere(int level, std::size_t node);
   [[nodiscard]] TrianglePath triangle(std::size_t triangle) const;
 

@@ -1,5 +1,6 @@
 #include "core/effects/no_passage/near_pairs.hpp"
 
+#include <algorithm>
 #include <random>
 #include <set>
 #include <string>
@@ -85,6 +86,19 @@ TEST_P(NearPairsTest, NoPairThatComesCloseIsOverlooked) {
   // Some of it always goes the same way, so that what bounds forget adds up.
   Points drift;
   for (std::size_t v = 0; v < 2 * first.size(); ++v) drift.push_back(0.015 * size_m * random.vector());
+  // A flight there and back, so that much was open.
+  Points scattered = first;
+  for (Vec3& vertex : scattered) vertex += 10 * size_m * random.vector();
+  for (const bool is_back : {false, true, true, true}) {
+    const std::vector<VertexPath> flying =
+        is_back ? paths_of(first, first, origin) : paths_of(scattered, first, origin);
+    const std::vector<VertexPath> still = paths_of(second, second, origin);
+    of_first.set(flying, origin);
+    of_second.set(still, origin);
+    pairs.find(least_m);
+    pairs.tell();
+    pairs.move_on();
+  }
   std::size_t looked_at = 0;
   std::size_t came_close = 0;
   constexpr int steps = 20;
@@ -96,52 +110,82 @@ TEST_P(NearPairsTest, NoPairThatComesCloseIsOverlooked) {
       first_end[v] += rush + drift[v] + 0.002 * size_m * random.vector();
       second_end[v] += rush + size_m * Vec3(-0.04, 0, 0) + drift[first.size() + v] + 0.002 * size_m * random.vector();
     }
-    const std::vector<VertexPath> first_paths = paths_of(first, first_end, origin);
+    if (step % 3 == 1) {
+      // As who looks whether anything intersects now.
+      const std::vector<VertexPath> resting = paths_of(first, first, origin);
+      const std::vector<VertexPath> other_resting = paths_of(second, second, origin);
+      of_first.set(resting, origin);
+      of_second.set(other_resting, origin);
+      pairs.find(0);
+      pairs.tell();
+    }
+    std::vector<VertexPath> first_paths = paths_of(first, first_end, origin);
     const std::vector<VertexPath> second_paths = paths_of(second, second_end, origin);
     of_first.set(first_paths, origin);
     of_second.set(second_paths, origin);
     const Points& other = is_itself ? first : second;
     const Points& other_end = is_itself ? first_end : second_end;
 
-    std::set<std::pair<std::size_t, std::size_t>> found;
-    pairs.find(least_m);
-    for (NearPair& pair : pairs.found()) {
-      const std::size_t one = tree.triangle(pair.first);
-      const std::size_t two = tree.triangle(pair.second);
-      const bool swap = is_itself && two < one;
-      EXPECT_TRUE(found.insert(swap ? std::pair(two, one) : std::pair(one, two)).second) << "twice";
-      const double apart_m = distance(corners(ball, one, first), corners(ball, two, other));
-      // What axes tell is no more than the truth.
-      const auto path = [&](const std::vector<VertexPath>& paths, std::size_t t) {
-        const auto& [a, b, c] = ball.triangles[t];
-        return TrianglePath{&paths[static_cast<std::size_t>(a)], &paths[static_cast<std::size_t>(b)],
-                            &paths[static_cast<std::size_t>(c)]};
-      };
-      const ApartAlongAxes axes =
-          apart_along_axes(path(first_paths, one), path(is_itself ? first_paths : second_paths, two), least_m);
-      EXPECT_LE(axes.start_m, (1 + 1e-9) * apart_m);
-      if (axes.stay_apart) {
-        for (const double share : {0.0, 0.5, 1.0}) {
-          EXPECT_GT(distance(corners(ball, one, between(first, first_end, share)),
-                             corners(ball, two, between(other, other_end, share))),
-                    least_m);
+    for (int round = 0; round < 2; ++round) {
+      std::vector<char> has_changed(first.size(), 1);
+      if (round > 0) {
+        std::vector<int> changed;
+        for (std::size_t v = 0; v < first.size(); ++v) {
+          has_changed[v] = static_cast<char>(v % 11 == 0);
+          if (has_changed[v] == 0) continue;
+          first_end[v] += 0.2 * size_m * random.vector();
+          first_paths[v] = VertexPath(first[v], first_end[v], origin);
+          changed.push_back(static_cast<int>(v));
         }
+        of_first.change(changed);
+        if (!is_itself) of_second.change({});
       }
-      EXPECT_LE(pair.left_m, (1 + 1e-5) * apart_m) << "more than the truth";
-      pair.left_m = std::max(pair.left_m, static_cast<float>(apart_m) * (1 - lane_rounding));
-    }
-    pairs.tell();
-    looked_at += found.size();
+      const auto is_of_changed = [&](std::size_t t) {
+        return std::ranges::any_of(ball.triangles[t],
+                                   [&](int v) { return has_changed[static_cast<std::size_t>(v)] != 0; });
+      };
+      std::set<std::pair<std::size_t, std::size_t>> found;
+      pairs.find(least_m);
+      for (NearPair& pair : pairs.found()) {
+        const std::size_t one = tree.triangle(pair.first);
+        const std::size_t two = tree.triangle(pair.second);
+        const bool swap = is_itself && two < one;
+        EXPECT_TRUE(found.insert(swap ? std::pair(two, one) : std::pair(one, two)).second) << "twice";
+        const double apart_m = distance(corners(ball, one, first), corners(ball, two, other));
+        // What axes tell is no more than the truth.
+        const auto path = [&](const std::vector<VertexPath>& paths, std::size_t t) {
+          const auto& [a, b, c] = ball.triangles[t];
+          return TrianglePath{&paths[static_cast<std::size_t>(a)], &paths[static_cast<std::size_t>(b)],
+                              &paths[static_cast<std::size_t>(c)]};
+        };
+        const ApartAlongAxes axes =
+            apart_along_axes(path(first_paths, one), path(is_itself ? first_paths : second_paths, two), least_m);
+        EXPECT_LE(axes.start_m, (1 + 1e-9) * apart_m);
+        if (axes.stay_apart) {
+          for (const double share : {0.0, 0.5, 1.0}) {
+            EXPECT_GT(distance(corners(ball, one, between(first, first_end, share)),
+                               corners(ball, two, between(other, other_end, share))),
+                      least_m);
+          }
+        }
+        EXPECT_LE(pair.left_m, (1 + 1e-5) * apart_m) << "more than the truth";
+        pair.left_m = std::max(pair.left_m, static_cast<float>(apart_m) * (1 - lane_rounding));
+      }
+      pairs.tell();
+      looked_at += round == 0 ? found.size() : 0;
 
-    for (const double share : {0.0, 0.3, 0.7, 1.0}) {
-      const Points at = between(first, first_end, share);
-      const Points of_other = between(other, other_end, share);
-      for (std::size_t one = 0; one < triangles; ++one) {
-        for (std::size_t two = is_itself ? one + 1 : 0; two < triangles; ++two) {
-          if (!are_near(corners(ball, one, at)[0], corners(ball, two, of_other)[0], size_m)) continue;
-          if (!(distance(corners(ball, one, at), corners(ball, two, of_other)) < least_m)) continue;
-          ++came_close;
-          ASSERT_TRUE(found.contains({one, two})) << "step " << step << ", triangles " << one << " and " << two;
+      for (const double share : {0.0, 0.3, 0.7, 1.0}) {
+        const Points at = between(first, first_end, share);
+        const Points of_other = between(other, other_end, share);
+        for (std::size_t one = 0; one < triangles; ++one) {
+          for (std::size_t two = is_itself ? one + 1 : 0; two < triangles; ++two) {
+            if (!is_of_changed(one) && (!is_itself || !is_of_changed(two))) continue;
+            if (!are_near(corners(ball, one, at)[0], corners(ball, two, of_other)[0], size_m)) continue;
+            if (!(distance(corners(ball, one, at), corners(ball, two, of_other)) < least_m)) continue;
+            ++came_close;
+            ASSERT_TRUE(found.contains({one, two}))
+                << "step " << step << ", round " << round << ", triangles " << one << " and " << two;
+          }
         }
       }
     }

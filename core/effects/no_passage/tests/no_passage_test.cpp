@@ -255,18 +255,20 @@ TEST_F(NoPassageTest, LargeTrianglesMayLeaveWhatTheyGoThrough) {
   m_mesh = make_box(Vec3(0.3, 0.3, 1), 1);
   m_bodies = {Body{"post", 0, static_cast<int>(m_mesh.vertices.size()), 0, m_mesh.triangles.size()}};
   m_masses.assign(m_mesh.vertices.size(), 1);
-  m_rest.translation_m = Vec3(0.13, 0.07, -1);
-  std::vector<Vec3> start = m_mesh.vertices;
-  const std::vector<RigidMotion> poses{m_rest};
-  const auto guard = stage();
-  for (int step = 0; step < 60; ++step) {
-    std::vector<Vec3> proposed = start;
-    for (Vec3& node : proposed) node += Vec3(0.001, 0, 0.02);
-    const std::vector<Vec3> wanted = proposed;
-    (void)guard->before_bones({start, proposed, {}, poses, poses, {}});
-    (void)guard->end_substep({start, proposed, {}, poses, poses, {}});
-    EXPECT_EQ(proposed, wanted) << step;
-    start = proposed;
+  for (const double side : {1.0, -1.0}) {
+    m_rest.translation_m = Vec3(0.13, 0.07, -side);
+    std::vector<Vec3> start = m_mesh.vertices;
+    const std::vector<RigidMotion> poses{m_rest};
+    const auto guard = stage();
+    for (int step = 0; step < 60; ++step) {
+      std::vector<Vec3> proposed = start;
+      for (Vec3& node : proposed) node += Vec3(0.001, 0, 0.02 * side);
+      const std::vector<Vec3> wanted = proposed;
+      (void)guard->before_bones({start, proposed, {}, poses, poses, {}});
+      (void)guard->end_substep({start, proposed, {}, poses, poses, {}});
+      EXPECT_EQ(proposed, wanted) << side << ", " << step;
+      start = proposed;
+    }
   }
 }
 
