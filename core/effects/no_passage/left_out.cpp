@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include "core/distance/winding_number.hpp"
-#include "core/effects/no_passage/passage_overlaps.hpp"
 
 namespace musclebench {
 
@@ -18,20 +18,60 @@ std::size_t at_index(int value) { return static_cast<std::size_t>(value); }
 LeftOut::LeftOut(PassagePaths& paths, std::span<const Bone> bones, std::span<const Body> bodies, double touching_m)
     : m_paths(paths), m_bones(bones), m_bodies(bodies), m_touching_m(touching_m) {
   m_is_out.assign((bones.size() + bodies.size()) * nodes(), 0);
+  m_goes_through = m_is_out;
+  m_parts.resize(bones.size() + bodies.size());
 }
 
-void LeftOut::update(std::span<const Vec3> at, std::span<const RigidMotion> poses) {
-  const bool is_first = std::exchange(m_is_first, false);
+void LeftOut::begin(std::span<const Vec3> at, std::span<const RigidMotion> poses) {
   m_paths.set(at, at, poses, poses);
-  const std::vector<char> intersects = intersecting(is_first);
-  m_is_still_out = intersects;
-  for (std::size_t collider = 0; collider < m_bones.size() + m_bodies.size(); ++collider) {
-    const auto out = std::span(m_is_out).subspan(collider * nodes(), nodes());
-    if (!is_first && std::ranges::find(out, 1) == out.end()) continue;
-    add_enclosed(collider, intersects, is_first, at, poses);
+  for (const PassageOverlap& pair : find_overlaps(m_paths, m_touching_m)) {
+    for_each_node(pair, [&](std::size_t collider, int node) { m_is_out[slot(collider, node)] = 1; });
   }
-  m_is_out.swap(m_is_still_out);
-  m_is_any = std::ranges::find(m_is_out, 1) != m_is_out.end();
+  std::vector<int> all_nodes(nodes());
+  std::iota(all_nodes.begin(), all_nodes.end(), 0);
+  const std::vector<Triangle>& triangles = m_paths.mesh().triangles;
+  std::vector<std::size_t> all_triangles(triangles.size());
+  std::iota(all_triangles.begin(), all_triangles.end(), std::size_t{0});
+  for (std::size_t collider = 0; collider < m_parts.size(); ++collider) {
+    const auto is_other = [&](int node) { return m_is_out[slot(collider, node)] == 0 && !is_of(collider, node); };
+    for (const std::vector<int>& part : joined(all_nodes, all_triangles, is_other)) {
+      if (!is_inside(collider, part, at, poses)) continue;
+      for (const int node : part) m_is_out[slot(collider, node)] = 1;
+    }
+    for (const int node : all_nodes) {
+      if (m_is_out[slot(collider, node)] != 0) m_parts[collider].nodes.push_back(node);
+    }
+    for (const std::size_t t : all_triangles) {
+      if (has_any(collider, t)) m_parts[collider].triangles.push_back(t);
+    }
+    m_is_any = m_is_any || !m_parts[collider].nodes.empty();
+  }
+}
+
+void LeftOut::update(std::span<const PassageOverlap> through, std::span<const Vec3> at,
+                     std::span<const RigidMotion> poses) {
+  for (const PassageOverlap& pair : through) {
+    for_each_node(pair, [&](std::size_t collider, int node) { m_goes_through[slot(collider, node)] = 1; });
+  }
+  m_is_any = false;
+  for (std::size_t collider = 0; collider < m_parts.size(); ++collider) {
+    auto& [out, triangles] = m_parts[collider];
+    const auto goes_through = [&](int node) { return m_goes_through[slot(collider, node)] != 0; };
+    const auto is_out = [&](int node) { return m_is_out[slot(collider, node)] != 0; };
+    for (const std::vector<int>& part : joined(out, triangles, is_out)) {
+      // What hangs together with what goes through is inside of it.
+      const bool stays = std::ranges::any_of(part, goes_through) ||
+                         (!is_of(collider, part.front()) && is_inside(collider, part, at, poses));
+      if (stays) continue;
+      for (const int node : part) m_is_out[slot(collider, node)] = 0;
+    }
+    std::erase_if(out, [&](int node) { return !is_out(node); });
+    std::erase_if(triangles, [&](std::size_t t) { return !has_any(collider, t); });
+    m_is_any = m_is_any || !out.empty();
+  }
+  for (const PassageOverlap& pair : through) {
+    for_each_node(pair, [&](std::size_t collider, int node) { m_goes_through[slot(collider, node)] = 0; });
+  }
 }
 
 bool LeftOut::has(const PassageStencil& stencil) const {
@@ -47,10 +87,10 @@ bool LeftOut::has(const PassageStencil& stencil) const {
   return false;
 }
 
-bool LeftOut::concerns(int bone, std::size_t triangle, std::size_t other) const {
+bool LeftOut::concerns(const PassageOverlap& pair) const {
   if (!m_is_any) return false;
-  if (bone >= 0) return has_any(at_index(bone), triangle);
-  return has_any(muscle_of(other), triangle) || has_any(muscle_of(triangle), other);
+  if (pair.bone >= 0) return has_any(at_index(pair.bone), pair.triangle);
+  return has_any(muscle_of(pair.other), pair.triangle) || has_any(muscle_of(pair.triangle), pair.other);
 }
 
 bool LeftOut::has_any(std::size_t collider, std::size_t triangle) const {
@@ -58,56 +98,34 @@ bool LeftOut::has_any(std::size_t collider, std::size_t triangle) const {
                              [&](int node) { return m_is_out[slot(collider, node)] != 0; });
 }
 
-/// By collider and node: of a triangle that intersects the collider, and after the first time was left out.
-std::vector<char> LeftOut::intersecting(bool is_first) {
-  std::vector<char> intersects(m_is_out.size(), 0);
-  const auto mark = [&](std::size_t collider, std::size_t triangle) {
-    for (const int node : m_paths.mesh().triangles[triangle]) {
-      if (is_first || m_is_out[slot(collider, node)] != 0) intersects[slot(collider, node)] = 1;
-    }
-  };
-  const auto collider_of = [&](const PassageOverlap& pair) {
-    return pair.bone >= 0 ? at_index(pair.bone) : muscle_of(pair.other);
-  };
-  const auto is_wanted = [&](const PassageOverlap& pair) {
-    return is_first || concerns(pair.bone, pair.triangle, pair.other);
-  };
-  for (const PassageOverlap& pair : find_overlaps(m_paths, m_touching_m, is_wanted)) {
-    mark(collider_of(pair), pair.triangle);
-    if (pair.bone < 0) mark(muscle_of(pair.triangle), pair.other);
-  }
-  return intersects;
+template <typename Mark>
+void LeftOut::for_each_node(const PassageOverlap& pair, const Mark& mark) const {
+  const std::vector<Triangle>& triangles = m_paths.mesh().triangles;
+  const std::size_t collider = pair.bone >= 0 ? at_index(pair.bone) : muscle_of(pair.other);
+  for (const int node : triangles[pair.triangle]) mark(collider, node);
+  if (pair.bone >= 0) return;
+  for (const int node : triangles[pair.other]) mark(muscle_of(pair.triangle), node);
 }
 
-/// Parts of muscles without such nodes that lie inside a collider; after the first time parts of those that were left
-/// out that hang together with what intersects it, or lie inside.
-void LeftOut::add_enclosed(std::size_t collider, std::span<const char> intersects, bool is_first,
-                           std::span<const Vec3> at, std::span<const RigidMotion> poses) {
-  const auto is_of_part = [&](int node) {
-    const std::size_t i = slot(collider, node);
-    return is_first ? intersects[i] == 0 : m_is_out[i] != 0;
-  };
-  const std::size_t own = collider - m_bones.size();  // where it is a muscle
-  m_parts.reset(nodes());
-  for (const Triangle& triangle : m_paths.mesh().triangles) {
+template <typename IsWanted>
+std::vector<std::vector<int>> LeftOut::joined(std::span<const int> candidates, std::span<const std::size_t> triangles,
+                                              const IsWanted& is_wanted) {
+  if (candidates.empty()) return {};
+  m_sets.reset(nodes());
+  for (const std::size_t t : triangles) {
+    const Triangle& triangle = m_paths.mesh().triangles[t];
     for (std::size_t k = 0; k < 3; ++k) {
       const int next = triangle[(k + 1) % 3];
-      if (is_of_part(triangle[k]) && is_of_part(next)) m_parts.join(triangle[k], next);
+      if (is_wanted(triangle[k]) && is_wanted(next)) m_sets.join(triangle[k], next);
     }
   }
-  std::map<int, std::vector<int>> parts;
-  for (int node = 0; node < static_cast<int>(nodes()); ++node) {
-    if (!is_of_part(node)) continue;
-    if (is_first && collider >= m_bones.size() && m_bodies[own].has_node(node)) continue;
-    parts[m_parts.find(node)].push_back(node);
+  std::map<int, std::vector<int>> sets;
+  for (const int node : candidates) {
+    if (is_wanted(node)) sets[m_sets.find(node)].push_back(node);
   }
-  for (const auto& [first, part] : parts) {
-    const bool hangs_together =
-        std::ranges::any_of(part, [&](int node) { return intersects[slot(collider, node)] != 0; });
-    const bool is_own = collider >= m_bones.size() && m_bodies[own].has_node(first);
-    if (!hangs_together && (is_own || !is_inside(collider, part, at, poses))) continue;
-    for (const int node : part) m_is_still_out[slot(collider, node)] = 1;
-  }
+  std::vector<std::vector<int>> parts;
+  for (auto& [first, part] : sets) parts.push_back(std::move(part));
+  return parts;
 }
 
 /// Whether most of some nodes are, by the collider's winding number: about 1 inside, less at its surface.

@@ -6,6 +6,7 @@
 
 #include "core/contact/bone.hpp"
 #include "core/effects/no_passage/joined_sets.hpp"
+#include "core/effects/no_passage/passage_overlaps.hpp"
 #include "core/effects/no_passage/passage_paths.hpp"
 #include "core/mesh/body.hpp"
 
@@ -19,16 +20,23 @@ class LeftOut {
   /// All are kept by reference. What reaches through by less than `touching_m` only touches.
   LeftOut(PassagePaths& paths, std::span<const Bone> bones, std::span<const Body> bodies, double touching_m);
 
-  /// The first time takes all that is so with nodes at `at`, world frame, m; later leaves what no longer is. Sets the
-  /// paths to stay there.
-  void update(std::span<const Vec3> at, std::span<const RigidMotion> poses);
+  /// Takes all that is so with nodes at `at`, world frame, m. Sets the paths to stay there.
+  void begin(std::span<const Vec3> at, std::span<const RigidMotion> poses);
+  /// Leaves what no longer is. `through`: all pairs that `concerns` of triangles that go through each other there.
+  void update(std::span<const PassageOverlap> through, std::span<const Vec3> at, std::span<const RigidMotion> poses);
   [[nodiscard]] bool is_any() const { return m_is_any; }
   /// Whether a stencil is of a node that is left out with the collider on the other side.
   [[nodiscard]] bool has(const PassageStencil& stencil) const;
-  /// Whether one of two triangles has a node that is left out with the other's surface; see PassageOverlap.
-  [[nodiscard]] bool concerns(int bone, std::size_t triangle, std::size_t other) const;
+  /// Whether one of two triangles has a node that is left out with the other's surface.
+  [[nodiscard]] bool concerns(const PassageOverlap& pair) const;
 
  private:
+  /// What is left out with a collider, and its triangles; all that was so in the beginning.
+  struct Parts {
+    std::vector<int> nodes;
+    std::vector<std::size_t> triangles;
+  };
+
   [[nodiscard]] std::size_t nodes() const { return m_paths.mesh().vertices.size(); }
   [[nodiscard]] std::size_t slot(std::size_t collider, int node) const {
     return collider * nodes() + static_cast<std::size_t>(node);
@@ -36,10 +44,17 @@ class LeftOut {
   [[nodiscard]] std::size_t muscle_of(std::size_t triangle) const {
     return m_bones.size() + m_paths.body_of_node(m_paths.mesh().triangles[triangle][0]);
   }
+  [[nodiscard]] bool is_of(std::size_t collider, int node) const {
+    return collider >= m_bones.size() && m_bodies[collider - m_bones.size()].has_node(node);
+  }
   [[nodiscard]] bool has_any(std::size_t collider, std::size_t triangle) const;
-  [[nodiscard]] std::vector<char> intersecting(bool is_first);
-  void add_enclosed(std::size_t collider, std::span<const char> intersects, bool is_first, std::span<const Vec3> at,
-                    std::span<const RigidMotion> poses);
+  /// Calls `mark(collider, node)` for the nodes of both triangles.
+  template <typename Mark>
+  void for_each_node(const PassageOverlap& pair, const Mark& mark) const;
+  /// The nodes among `candidates` that `is_wanted` is true of, by what hangs together along edges of `triangles`.
+  template <typename IsWanted>
+  [[nodiscard]] std::vector<std::vector<int>> joined(std::span<const int> candidates,
+                                                     std::span<const std::size_t> triangles, const IsWanted& is_wanted);
   [[nodiscard]] bool is_inside(std::size_t collider, std::span<const int> nodes, std::span<const Vec3> at,
                                std::span<const RigidMotion> poses) const;
 
@@ -47,11 +62,11 @@ class LeftOut {
   std::span<const Bone> m_bones;
   std::span<const Body> m_bodies;
   double m_touching_m;
-  std::vector<char> m_is_out;  ///< [collider * nodes + node]
-  std::vector<char> m_is_still_out;
-  JoinedSets m_parts;
+  std::vector<char> m_is_out;        ///< [collider * nodes + node]
+  std::vector<char> m_goes_through;  ///< the same, of triangles that intersect the collider; 0 between updates
+  std::vector<Parts> m_parts;        ///< by collider
+  JoinedSets m_sets;
   bool m_is_any = false;
-  bool m_is_first = true;
 };
 
 }  // namespace musclebench

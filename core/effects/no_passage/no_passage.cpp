@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <utility>
@@ -60,7 +61,7 @@ class NoPassage final : public ContactStage {
   std::span<const int> before_bones(const ContactStageInput& input) override {
     if (m_safe.empty()) {
       m_safe.assign(input.start.begin(), input.start.end());
-      m_left_out.update(m_safe, input.previous_bone_poses);
+      m_left_out.begin(m_safe, input.previous_bone_poses);
     }
     return {};
   }
@@ -75,7 +76,10 @@ class NoPassage final : public ContactStage {
     std::ranges::fill(m_is_moved, 1);
     m_rows.clear();
     m_row_of.clear();
-    for (int round = 0; find_hits() && round < m_rounds; ++round) {
+    find_near();
+    if (m_left_out.is_any()) m_left_out.update(through(), m_safe, input.previous_bone_poses);
+    join_hits();
+    for (int round = 0; !m_hits.empty() && round < m_rounds; ++round) {
       m_hit_count = std::max(m_hit_count, static_cast<int>(m_hits.size()));
       for (const Hit& hit : m_hits) add_row(hit, input);
       m_solver.solve(m_rows, input.start, m_proposed, input.impulses);
@@ -83,6 +87,7 @@ class NoPassage final : public ContactStage {
       for (const int node : m_solver.moved_nodes()) m_is_moved[at_index(node)] = 1;
       for (const Hit& hit : m_hits) look_again_at(hit.stencil);
       change_moved();
+      find_hits();
     }
     if (!m_hits.empty()) move_in_zones(input);
     m_paths.move_on();
@@ -94,7 +99,6 @@ class NoPassage final : public ContactStage {
       }
     }
     m_safe.swap(m_proposed);
-    if (m_left_out.is_any()) m_left_out.update(m_safe, input.bone_poses);
     return m_changed;
   }
 
@@ -104,18 +108,37 @@ class NoPassage final : public ContactStage {
  private:
   [[nodiscard]] const Triangle& triangle(std::size_t t) const { return m_paths.mesh().triangles[t]; }
 
-  /// Whether any features come too close on their paths to `m_proposed`, of triangles with a node that moved.
-  bool find_hits() {
-    for (auto& part : m_hits_of_parts) part.clear();
-    m_paths.for_each_near(watched_m(), m_hits_of_parts,
-                          [&](std::vector<Hit>& hits, int bone, std::size_t t, std::size_t other, double enough_m) {
-                            return follow_pair(bone, t, other, enough_m, hits);
+  /// What a thread finds.
+  struct Found {
+    std::vector<Hit> hits;
+    std::vector<PassageOverlap> left_out;  ///< pairs that may go through each other, and are not followed yet
+  };
+
+  /// Features that come too close on their paths to `m_proposed`, of triangles with a node that moved.
+  void find_hits() {
+    find_near();
+    join_hits();
+  }
+
+  void find_near() {
+    for (auto& [hits, left_out] : m_found) {
+      hits.clear();
+      left_out.clear();
+    }
+    m_paths.for_each_near(watched_m(), m_found,
+                          [&](Found& found, int bone, std::size_t t, std::size_t other, double enough_m) {
+                            return follow_pair({bone, t, other}, enough_m, found);
                           });
+  }
+
+  void join_hits() {
     m_hits.clear();
-    for (const auto& part : m_hits_of_parts) m_hits.insert(m_hits.end(), part.begin(), part.end());
+    for (const auto& [hits, left_out] : m_found) {
+      m_hits.insert(m_hits.end(), hits.begin(), hits.end());
+      for (const PassageOverlap& pair : left_out) follow_stencils(pair, m_hits);
+    }
     // The order in which pairs are found is that of single-precision bounds, which is the processor's.
     std::ranges::sort(m_hits, {}, &Hit::stencil);
-    return !m_hits.empty();
   }
 
   void change_moved() {
@@ -131,31 +154,49 @@ class NoPassage final : public ContactStage {
   }
 
   /// Follows what a pair of triangles owns. How far apart that is at least where the paths start; 0 where it was not
-  /// looked at, or intersects.
-  double follow_pair(int bone, std::size_t t, std::size_t other, double enough_m, std::vector<Hit>& hits) const {
+  /// looked at, or may go through.
+  double follow_pair(const PassageOverlap& pair, double enough_m, Found& found) const {
+    const auto& [bone, t, other] = pair;
     if (!is_moved(t) && (bone >= 0 || !is_moved(other))) return 0;
     if (bone >= 0 || !share_a_vertex(triangle(t), triangle(other))) {
       const ApartAlongAxes apart =
           apart_along_axes(m_paths.path_of(bone, t), m_paths.path_of_other(bone, other), watched_m());
       if (apart.stay_apart || apart.start_m > enough_m) return apart.start_m;
     }
+    if (m_left_out.concerns(pair)) {
+      // What goes through each other has features that are apart, too: its distance has to be asked for again.
+      found.left_out.push_back(pair);
+      return 0;
+    }
     double left_m = nowhere_m;
     m_paths.for_each_stencil_of(bone, t, other, [&](const PassageStencil& stencil) {
       left_m = std::min(left_m, distance_of(stencil.kind, m_paths.starts_of(stencil)));
     });
-    // What goes through each other has features that are apart, too: its distance has to be asked for again.
-    const double told_m = m_left_out.concerns(bone, t, other) ? 0 : left_m;
-    if (left_m > enough_m) return told_m;
-    m_paths.for_each_stencil_of(bone, t, other, [&](const PassageStencil& stencil) {
+    if (left_m <= enough_m) follow_stencils(pair, found.hits);
+    return left_m;
+  }
+
+  void follow_stencils(const PassageOverlap& pair, std::vector<Hit>& hits) const {
+    m_paths.for_each_stencil_of(pair.bone, pair.triangle, pair.other, [&](const PassageStencil& stencil) {
+      if (m_left_out.has(stencil)) return;
       const StencilCorners start = m_paths.starts_of(stencil);
       follow(stencil, start, gap_of(stencil.kind, start), hits);
     });
-    return told_m;
+  }
+
+  /// Of the pairs that are not followed, those that go through each other where the paths start.
+  [[nodiscard]] std::vector<PassageOverlap> through() const {
+    std::vector<PassageOverlap> pairs;
+    for (const Found& part : m_found) {
+      std::ranges::copy_if(part.left_out, std::back_inserter(pairs), [&](const PassageOverlap& pair) {
+        return go_through_each_other(m_paths, pair, touching_m());
+      });
+    }
+    return pairs;
   }
 
   void follow(const PassageStencil& stencil, const StencilCorners& start, const StencilGap& before,
               std::vector<Hit>& hits) const {
-    if (m_left_out.has(stencil)) return;
     const double distance_m = before.distance_m;
     const StencilCorners end = m_paths.ends_of(stencil);
     Hit hit{stencil, before.weights, Vec3::Zero(), start, m_gap_m};
@@ -353,7 +394,7 @@ class NoPassage final : public ContactStage {
   std::vector<Vec3> m_proposed;  ///< where this one is to end
   std::vector<char> m_is_moved;  ///< by node: its path is not the one that was last looked at
   std::vector<int> m_moved;      ///< the same, ascending
-  std::vector<std::vector<Hit>> m_hits_of_parts;
+  std::vector<Found> m_found;
   std::vector<Hit> m_hits;
   std::vector<ContactRow> m_rows;
   std::map<PassageStencil, std::size_t> m_row_of;

@@ -59,18 +59,19 @@ bool intersect(const Corners& one, const Corners& other, double touching_m) {
 
 }  // namespace
 
-std::vector<PassageOverlap> find_overlaps(PassagePaths& paths, double touching_m,
-                                          const std::function<bool(const PassageOverlap&)>& is_wanted) {
+bool go_through_each_other(const PassagePaths& paths, const PassageOverlap& pair, double touching_m) {
   const std::vector<Triangle>& triangles = paths.mesh().triangles;
+  if (pair.bone < 0 && share_a_vertex(triangles[pair.triangle], triangles[pair.other])) return false;
+  return intersect(paths.corners_of(pair.bone, pair.triangle), paths.corners_of_other(pair.bone, pair.other),
+                   touching_m);
+}
+
+std::vector<PassageOverlap> find_overlaps(PassagePaths& paths, double touching_m) {
   std::vector<std::vector<PassageOverlap>> parts;
   paths.for_each_near(0, parts,
                       [&](std::vector<PassageOverlap>& found, int bone, std::size_t t, std::size_t other, double) {
                         const PassageOverlap pair{bone, t, other};
-                        if (!is_wanted(pair) || (bone < 0 && share_a_vertex(triangles[t], triangles[other])))
-                          return 0.0;
-                        if (intersect(paths.corners_of(bone, t), paths.corners_of_other(bone, other), touching_m)) {
-                          found.push_back(pair);
-                        }
+                        if (go_through_each_other(paths, pair, touching_m)) found.push_back(pair);
                         return 0.0;
                       });
   std::vector<PassageOverlap> overlaps;
@@ -85,11 +86,13 @@ std::vector<PassageOverlap> overlaps_at_start(const TriangleMesh& mesh, std::spa
                                               std::span<const RigidMotion> poses, double gap_m) {
   PassagePaths paths(mesh, bodies, bones, bound_nodes, true, 1);
   paths.set(mesh.vertices, mesh.vertices, poses, poses);
-  return find_overlaps(paths, touching_share * gap_m, [&](const PassageOverlap& pair) {
-    return pair.bone < 0 || std::ranges::none_of(mesh.triangles[pair.triangle], [&](int node) {
+  std::vector<PassageOverlap> overlaps = find_overlaps(paths, touching_share * gap_m);
+  std::erase_if(overlaps, [&](const PassageOverlap& pair) {
+    return pair.bone >= 0 && std::ranges::any_of(mesh.triangles[pair.triangle], [&](int node) {
              return paths.carriers()[static_cast<std::size_t>(node)] == pair.bone;
            });
   });
+  return overlaps;
 }
 
 }  // namespace musclebench

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -22,11 +21,12 @@ struct PassageOverlap {
   std::size_t other;     ///< in the bone's mesh, or that of all muscles
 };
 
-/// Those among the triangles that are close where the paths start, in the order of their numbers; without such as share
-/// a vertex. What reaches through by less than `touching_m` only touches. `is_wanted` is asked before a pair is tested,
-/// by several threads.
-std::vector<PassageOverlap> find_overlaps(PassagePaths& paths, double touching_m,
-                                          const std::function<bool(const PassageOverlap&)>& is_wanted);
+/// Whether triangles of paths go through each other where these start. What reaches through by less than `touching_m`
+/// only touches, as do triangles with a common vertex.
+bool go_through_each_other(const PassagePaths& paths, const PassageOverlap& pair, double touching_m);
+
+/// All of these pairs, in the order of their numbers.
+std::vector<PassageOverlap> find_overlaps(PassagePaths& paths, double touching_m);
 
 /// What a run can't keep apart because it begins so: all overlaps of a scene at its poses, but for triangles with a
 /// node that is bound to the bone. `gap_m`: the parameter of no_passage.
