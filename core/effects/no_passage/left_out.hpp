@@ -22,7 +22,7 @@ class LeftOut {
 
   /// Takes all that is so with nodes at `at`, world frame, m. Sets the paths to stay there.
   void begin(std::span<const Vec3> at, std::span<const RigidMotion> poses);
-  /// Leaves what no longer is. `through`: all pairs that `concerns` of triangles that go through each other there.
+  /// Drops what no longer is. `through`: all pairs that `concerns` of triangles that go through each other there.
   void update(std::span<const PassageOverlap> through, std::span<const Vec3> at, std::span<const RigidMotion> poses);
   [[nodiscard]] bool is_any() const { return m_is_any; }
   /// Whether a stencil is of a node that is left out with the collider on the other side.
@@ -31,7 +31,7 @@ class LeftOut {
   [[nodiscard]] bool concerns(const PassageOverlap& pair) const;
 
  private:
-  /// What is left out with a collider, and its triangles; all that was so in the beginning.
+  /// What is left out with a collider, and its triangles.
   struct Parts {
     std::vector<int> nodes;
     std::vector<std::size_t> triangles;

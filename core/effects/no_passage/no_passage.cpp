@@ -76,6 +76,7 @@ class NoPassage final : public ContactStage {
     std::ranges::fill(m_is_moved, 1);
     m_rows.clear();
     m_row_of.clear();
+    // All paths are new here, so that this meets all that goes through where they start.
     find_near();
     if (m_left_out.is_any()) m_left_out.update(through(), m_safe, input.previous_bone_poses);
     join_hits();
@@ -111,7 +112,7 @@ class NoPassage final : public ContactStage {
   /// What a thread finds.
   struct Found {
     std::vector<Hit> hits;
-    std::vector<PassageOverlap> left_out;  ///< pairs that may go through each other, and are not followed yet
+    std::vector<PassageOverlap> undecided;  ///< pairs that may go through each other, and are not followed yet
   };
 
   /// Features that come too close on their paths to `m_proposed`, of triangles with a node that moved.
@@ -121,9 +122,9 @@ class NoPassage final : public ContactStage {
   }
 
   void find_near() {
-    for (auto& [hits, left_out] : m_found) {
+    for (auto& [hits, undecided] : m_found) {
       hits.clear();
-      left_out.clear();
+      undecided.clear();
     }
     m_paths.for_each_near(watched_m(), m_found,
                           [&](Found& found, int bone, std::size_t t, std::size_t other, double enough_m) {
@@ -131,11 +132,12 @@ class NoPassage final : public ContactStage {
                           });
   }
 
+  /// Of all threads; follows what was undecided.
   void join_hits() {
     m_hits.clear();
-    for (const auto& [hits, left_out] : m_found) {
+    for (const auto& [hits, undecided] : m_found) {
       m_hits.insert(m_hits.end(), hits.begin(), hits.end());
-      for (const PassageOverlap& pair : left_out) follow_stencils(pair, m_hits);
+      for (const PassageOverlap& pair : undecided) follow_stencils(pair, m_hits);
     }
     // The order in which pairs are found is that of single-precision bounds, which is the processor's.
     std::ranges::sort(m_hits, {}, &Hit::stencil);
@@ -164,8 +166,9 @@ class NoPassage final : public ContactStage {
       if (apart.stay_apart || apart.start_m > enough_m) return apart.start_m;
     }
     if (m_left_out.concerns(pair)) {
-      // What goes through each other has features that are apart, too: its distance has to be asked for again.
-      found.left_out.push_back(pair);
+      // What goes through each other has features that are apart, too: its distance has to be asked for again. Whether
+      // it is still left out has to be found out before it is followed.
+      found.undecided.push_back(pair);
       return 0;
     }
     double left_m = nowhere_m;
@@ -188,7 +191,7 @@ class NoPassage final : public ContactStage {
   [[nodiscard]] std::vector<PassageOverlap> through() const {
     std::vector<PassageOverlap> pairs;
     for (const Found& part : m_found) {
-      std::ranges::copy_if(part.left_out, std::back_inserter(pairs), [&](const PassageOverlap& pair) {
+      std::ranges::copy_if(part.undecided, std::back_inserter(pairs), [&](const PassageOverlap& pair) {
         return go_through_each_other(m_paths, pair, touching_m());
       });
     }

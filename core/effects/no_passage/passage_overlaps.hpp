@@ -14,7 +14,7 @@ namespace musclebench {
 
 class PassagePaths;
 
-/// Two triangles that go through each other.
+/// Two triangles that go through each other, or may.
 struct PassageOverlap {
   int bone;              ///< of the other, or -1: both are muscles'
   std::size_t triangle;  ///< a muscle's, in the mesh of all
