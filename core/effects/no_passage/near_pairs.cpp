@@ -111,10 +111,13 @@ int NearPairs::open(int level, int above, int slot) {
   all.open[index] = {.is_used = true, .above = above, .slot = slot};
   all.first[index] = all.second[index] = 0;
   if (above >= 0) {
-    const Level& parents = at(level + 1);
+    Level& parents = at(level + 1);
     constexpr auto width = static_cast<int>(bvh_width);
     all.first[index] = parents.first[at_index(above)] * width + slot / width;
     all.second[index] = parents.second[at_index(above)] * width + slot % width;
+    parents.blocks[at_index(above)].left_m[at_index(slot) / bvh_width][at_index(slot) % bvh_width] = nowhere_m;
+    if (level > 0) parents.below[at_index(above)][at_index(slot)] = static_cast<int>(index);
+    ++parents.open[at_index(above)].open_below;
   }
   all.left_m[index] = all.left_at_end_m[index] = 0;
   if (level > 0) {
@@ -127,12 +130,6 @@ int NearPairs::open(int level, int above, int slot) {
     }
   }
   if (level > 1) all.below[index].fill(-1);
-  if (above >= 0) {
-    Level& parents = at(level + 1);
-    parents.blocks[at_index(above)].left_m[at_index(slot) / bvh_width][at_index(slot) % bvh_width] = nowhere_m;
-    if (level > 0) parents.below[at_index(above)][at_index(slot)] = static_cast<int>(index);
-    ++parents.open[at_index(above)].open_below;
-  }
   return static_cast<int>(index);
 }
 

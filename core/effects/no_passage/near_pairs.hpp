@@ -73,13 +73,13 @@ class NearPairs {
     std::vector<std::array<int, bvh_width * bvh_width>> below;  ///< from level 2 on, by slot: what is open, or -1
     std::vector<int> free;
     std::vector<int> current;  ///< whose blocks are, since `move_on`
-    std::vector<int> emptied;
+    std::vector<int> emptied;  ///< whose last pair below was closed since the last time
   };
   /// Where a found pair is kept: open by itself, or in a slot of a leaf.
   struct Source {
     int index;
-    int slot;  ///< -1: open by itself
-    bool may_open;
+    int slot;       ///< -1: open by itself
+    bool may_open;  ///< by itself from now on
   };
 
   [[nodiscard]] Level& at(int level) { return m_levels[static_cast<std::size_t>(level)]; }
@@ -102,7 +102,7 @@ class NearPairs {
   PathSpheres& m_second;
   std::vector<Level> m_levels;  ///< the last has the roots, which are always looked into
   float m_least_m = 0;          ///< of the last `find`
-  std::vector<int> m_used_up;
+  std::vector<int> m_used_up;   ///< open pairs of the level that is looked at
   std::vector<NearPair> m_found;
   std::vector<Source> m_sources;  ///< of `m_found`
   std::vector<int> m_leaves;      ///< that have some of them
