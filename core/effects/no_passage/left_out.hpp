@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/contact/bone.hpp"
-#include "core/effects/no_passage/joined_sets.hpp"
 #include "core/effects/no_passage/passage_overlaps.hpp"
 #include "core/effects/no_passage/passage_paths.hpp"
 #include "core/mesh/body.hpp"
@@ -23,18 +22,18 @@ class LeftOut {
   /// Takes all that is so with nodes at `at`, world frame, m. Sets the paths to stay there.
   void begin(std::span<const Vec3> at, std::span<const RigidMotion> poses);
   /// Drops what no longer is. `through`: all pairs that `concerns` of triangles that go through each other there.
-  void update(std::span<const PassageOverlap> through, std::span<const Vec3> at, std::span<const RigidMotion> poses);
-  [[nodiscard]] bool is_any() const { return m_is_any; }
+  void update(std::span<const TrianglePair> through, std::span<const Vec3> at, std::span<const RigidMotion> poses);
+  [[nodiscard]] bool is_any() const { return m_left > 0; }
   /// Whether a stencil is of a node that is left out with the collider on the other side.
   [[nodiscard]] bool has(const PassageStencil& stencil) const;
   /// Whether one of two triangles has a node that is left out with the other's surface.
-  [[nodiscard]] bool concerns(const PassageOverlap& pair) const;
+  [[nodiscard]] bool concerns(const TrianglePair& pair) const;
 
  private:
-  /// What is left out with a collider, and its triangles.
-  struct Parts {
+  /// Nodes that are left out with a collider, and hang together. They get free of it together.
+  struct Part {
+    std::size_t collider;
     std::vector<int> nodes;
-    std::vector<std::size_t> triangles;
   };
 
   [[nodiscard]] std::size_t nodes() const { return m_paths.mesh().vertices.size(); }
@@ -50,11 +49,10 @@ class LeftOut {
   [[nodiscard]] bool has_any(std::size_t collider, std::size_t triangle) const;
   /// Calls `mark(collider, node)` for the nodes of both triangles.
   template <typename Mark>
-  void for_each_node(const PassageOverlap& pair, const Mark& mark) const;
-  /// The nodes among `candidates` that `is_wanted` is true of, by what hangs together along edges of `triangles`.
+  void for_each_node(const TrianglePair& pair, const Mark& mark) const;
+  /// The nodes that `is_wanted` is true of, by what hangs together along edges.
   template <typename IsWanted>
-  [[nodiscard]] std::vector<std::vector<int>> joined(std::span<const int> candidates,
-                                                     std::span<const std::size_t> triangles, const IsWanted& is_wanted);
+  [[nodiscard]] std::vector<std::vector<int>> joined(const IsWanted& is_wanted) const;
   [[nodiscard]] bool is_inside(std::size_t collider, std::span<const int> nodes, std::span<const Vec3> at,
                                std::span<const RigidMotion> poses) const;
 
@@ -62,11 +60,9 @@ class LeftOut {
   std::span<const Bone> m_bones;
   std::span<const Body> m_bodies;
   double m_touching_m;
-  std::vector<char> m_is_out;        ///< [collider * nodes + node]
-  std::vector<char> m_goes_through;  ///< the same, of triangles that intersect the collider; 0 between updates
-  std::vector<Parts> m_parts;        ///< by collider
-  JoinedSets m_sets;
-  bool m_is_any = false;
+  std::vector<Part> m_parts;
+  std::vector<int> m_part_of;  ///< [collider * nodes + node]: the number of a part, or -1
+  std::size_t m_left = 0;      ///< of the parts, those that are not free yet
 };
 
 }  // namespace musclebench

@@ -112,7 +112,7 @@ class NoPassage final : public ContactStage {
   /// What a thread finds.
   struct Found {
     std::vector<Hit> hits;
-    std::vector<PassageOverlap> undecided;  ///< pairs that may go through each other, and are not followed yet
+    std::vector<TrianglePair> undecided;  ///< pairs that may go through each other, and are not followed yet
   };
 
   /// Features that come too close on their paths to `m_proposed`, of triangles with a node that moved.
@@ -137,7 +137,7 @@ class NoPassage final : public ContactStage {
     m_hits.clear();
     for (const auto& [hits, undecided] : m_found) {
       m_hits.insert(m_hits.end(), hits.begin(), hits.end());
-      for (const PassageOverlap& pair : undecided) follow_stencils(pair, m_hits);
+      for (const TrianglePair& pair : undecided) follow_stencils(pair, m_hits);
     }
     // The order in which pairs are found is that of single-precision bounds, which is the processor's.
     std::ranges::sort(m_hits, {}, &Hit::stencil);
@@ -157,7 +157,7 @@ class NoPassage final : public ContactStage {
 
   /// Follows what a pair of triangles owns. How far apart that is at least where the paths start; 0 where it was not
   /// looked at, or may go through.
-  double follow_pair(const PassageOverlap& pair, double enough_m, Found& found) const {
+  double follow_pair(const TrianglePair& pair, double enough_m, Found& found) const {
     const auto& [bone, t, other] = pair;
     if (!is_moved(t) && (bone >= 0 || !is_moved(other))) return 0;
     if (bone >= 0 || !share_a_vertex(triangle(t), triangle(other))) {
@@ -179,7 +179,7 @@ class NoPassage final : public ContactStage {
     return left_m;
   }
 
-  void follow_stencils(const PassageOverlap& pair, std::vector<Hit>& hits) const {
+  void follow_stencils(const TrianglePair& pair, std::vector<Hit>& hits) const {
     m_paths.for_each_stencil_of(pair.bone, pair.triangle, pair.other, [&](const PassageStencil& stencil) {
       if (m_left_out.has(stencil)) return;
       const StencilCorners start = m_paths.starts_of(stencil);
@@ -188,10 +188,10 @@ class NoPassage final : public ContactStage {
   }
 
   /// Of the pairs that are not followed, those that go through each other where the paths start.
-  [[nodiscard]] std::vector<PassageOverlap> through() const {
-    std::vector<PassageOverlap> pairs;
+  [[nodiscard]] std::vector<TrianglePair> through() const {
+    std::vector<TrianglePair> pairs;
     for (const Found& part : m_found) {
-      std::ranges::copy_if(part.undecided, std::back_inserter(pairs), [&](const PassageOverlap& pair) {
+      std::ranges::copy_if(part.undecided, std::back_inserter(pairs), [&](const TrianglePair& pair) {
         return go_through_each_other(m_paths, pair, touching_m());
       });
     }

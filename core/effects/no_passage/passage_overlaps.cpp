@@ -59,35 +59,35 @@ bool intersect(const Corners& one, const Corners& other, double touching_m) {
 
 }  // namespace
 
-bool go_through_each_other(const PassagePaths& paths, const PassageOverlap& pair, double touching_m) {
+bool go_through_each_other(const PassagePaths& paths, const TrianglePair& pair, double touching_m) {
   const std::vector<Triangle>& triangles = paths.mesh().triangles;
   if (pair.bone < 0 && share_a_vertex(triangles[pair.triangle], triangles[pair.other])) return false;
   return intersect(paths.corners_of(pair.bone, pair.triangle), paths.corners_of_other(pair.bone, pair.other),
                    touching_m);
 }
 
-std::vector<PassageOverlap> find_overlaps(PassagePaths& paths, double touching_m) {
-  std::vector<std::vector<PassageOverlap>> parts;
+std::vector<TrianglePair> find_overlaps(PassagePaths& paths, double touching_m) {
+  std::vector<std::vector<TrianglePair>> parts;
   paths.for_each_near(0, parts,
-                      [&](std::vector<PassageOverlap>& found, int bone, std::size_t t, std::size_t other, double) {
-                        const PassageOverlap pair{bone, t, other};
+                      [&](std::vector<TrianglePair>& found, int bone, std::size_t t, std::size_t other, double) {
+                        const TrianglePair pair{bone, t, other};
                         if (go_through_each_other(paths, pair, touching_m)) found.push_back(pair);
                         return 0.0;
                       });
-  std::vector<PassageOverlap> overlaps;
+  std::vector<TrianglePair> overlaps;
   for (const auto& part : parts) overlaps.insert(overlaps.end(), part.begin(), part.end());
   std::ranges::sort(overlaps, {},
-                    [](const PassageOverlap& pair) { return std::tuple(pair.bone, pair.triangle, pair.other); });
+                    [](const TrianglePair& pair) { return std::tuple(pair.bone, pair.triangle, pair.other); });
   return overlaps;
 }
 
-std::vector<PassageOverlap> overlaps_at_start(const TriangleMesh& mesh, std::span<const Body> bodies,
-                                              std::span<const Bone> bones, std::span<const BoundNode> bound_nodes,
-                                              std::span<const RigidMotion> poses, double gap_m) {
+std::vector<TrianglePair> overlaps_at_start(const TriangleMesh& mesh, std::span<const Body> bodies,
+                                            std::span<const Bone> bones, std::span<const BoundNode> bound_nodes,
+                                            std::span<const RigidMotion> poses, double gap_m) {
   PassagePaths paths(mesh, bodies, bones, bound_nodes, true, 1);
   paths.set(mesh.vertices, mesh.vertices, poses, poses);
-  std::vector<PassageOverlap> overlaps = find_overlaps(paths, touching_share * gap_m);
-  std::erase_if(overlaps, [&](const PassageOverlap& pair) {
+  std::vector<TrianglePair> overlaps = find_overlaps(paths, touching_share * gap_m);
+  std::erase_if(overlaps, [&](const TrianglePair& pair) {
     return pair.bone >= 0 && std::ranges::any_of(mesh.triangles[pair.triangle], [&](int node) {
              return paths.carriers()[static_cast<std::size_t>(node)] == pair.bone;
            });

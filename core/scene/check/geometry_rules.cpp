@@ -154,8 +154,8 @@ void find_passed_at_start(CheckContext& context, Findings& findings) {
   const std::vector<Body> bodies = scene.bodies();
   // By a muscle, and a bone or, behind all bones, the other muscle.
   std::map<std::pair<std::size_t, std::size_t>, std::set<std::size_t>> triangles;
-  for (const PassageOverlap& overlap : overlaps_at_start(scene.muscle_mesh, bodies, scene.bones, scene.bound_nodes(),
-                                                         poses, effect->parameters.number("gap_m"))) {
+  for (const TrianglePair& overlap : overlaps_at_start(scene.muscle_mesh, bodies, scene.bones, scene.bound_nodes(),
+                                                       poses, effect->parameters.number("gap_m"))) {
     const auto muscle_of = [&](std::size_t t) { return body_of(bodies, scene.muscle_mesh.triangles[t][0]); };
     const std::size_t collider =
         overlap.bone >= 0 ? static_cast<std::size_t>(overlap.bone) : scene.bones.size() + muscle_of(overlap.other);

@@ -281,6 +281,68 @@ TEST_F(NoPassageTest, LargeTrianglesMayLeaveWhatTheyGoThrough) {
   }
 }
 
+/// Two balls that begin in each other: two muscles, or parts of one.
+TEST_F(NoPassageTest, MusclesThatBeginInEachOtherMayPartAndThenStayApart) {
+  m_mesh = {};
+  const TriangleMesh ball = make_sphere(1, 1);
+  m_bodies.clear();
+  append(ball, {-0.4, 0, 0}, m_mesh, m_bodies);
+  append(ball, {0.45, 0.05, 0.03}, m_mesh, m_bodies);
+  m_rest.translation_m = Vec3(0, 0, 1000);
+  const Body left = m_bodies[0];
+  const std::vector<RigidMotion> poses{m_rest};
+  for (const bool is_one : {false, true}) {
+    if (is_one) m_bodies = {Body{"both", 0, m_bodies[1].last_node, 0, m_bodies[1].last_triangle}};
+    std::vector<Vec3> start = m_mesh.vertices;
+    const auto guard = stage();
+    const auto move_left_ball = [&](const Vec3& by) {
+      std::vector<Vec3> proposed = start;
+      for (std::size_t node = 0; node < start.size(); ++node) {
+        if (left.has_node(static_cast<int>(node))) proposed[node] += by;
+      }
+      const std::vector<Vec3> wanted = proposed;
+      (void)guard->before_bones({start, proposed, {}, poses, poses, {}});
+      (void)guard->end_substep({start, proposed, {}, poses, poses, {}});
+      start = proposed;
+      return proposed == wanted;
+    };
+    ASSERT_GT(crossings_in(start, m_mesh.triangles), 0);
+    int steps = 0;
+    for (; crossings_in(start, m_mesh.triangles) > 0 && steps < 100; ++steps) {
+      EXPECT_TRUE(move_left_ball(Vec3(-0.1, 0.004, 0.008))) << is_one << ", " << steps;
+    }
+    EXPECT_GT(steps, 5) << is_one;
+    EXPECT_FALSE(move_left_ball(Vec3(1.5, 0, 0))) << is_one;
+    EXPECT_EQ(crossings_in(start, m_mesh.triangles), 0) << is_one;
+  }
+}
+
+/// No triangle of it goes through the bone, so that only its being inside says that it has to get out.
+TEST_F(NoPassageTest, WhatBeginsWhollyInsideIsFreeOnceTheBoneJumpsOff) {
+  m_mesh = make_sphere(0.3, 1);
+  m_bodies = {Body{"ball", 0, static_cast<int>(m_mesh.vertices.size()), 0, m_mesh.triangles.size()}};
+  m_masses.assign(m_mesh.vertices.size(), 1);
+  m_rest.translation_m = Vec3(0.1, 0, 0);
+  std::vector<Vec3> start = m_mesh.vertices;
+  std::vector<RigidMotion> poses{m_rest};
+  const auto guard = stage();
+  const auto move_bone_to = [&](const Vec3& place_m) {
+    std::vector<RigidMotion> next = poses;
+    next[0].translation_m = place_m;
+    std::vector<Vec3> proposed = start;
+    (void)guard->before_bones({start, proposed, {}, poses, next, {}});
+    (void)guard->end_substep({start, proposed, {}, poses, next, {}});
+    const bool has_moved = proposed != start;
+    start = proposed;
+    poses = next;
+    return has_moved;
+  };
+  EXPECT_FALSE(move_bone_to({0.15, 0, 0}));
+  EXPECT_FALSE(move_bone_to({5, 0, 0}));
+  EXPECT_TRUE(move_bone_to({0.1, 0, 0})) << "what is free is pushed along";
+  for (const Vec3& node : start) EXPECT_GT((node - poses[0].translation_m).norm(), 0.9);
+}
+
 /// Normals at the rim of a plate are those of its large faces, and say nothing of what its narrow side meets.
 TEST_F(NoPassageTest, ANarrowSideIsHeldByAWall) {
   m_bones.assign(1, Bone{"wall", {.mesh = make_box(Vec3(1, 5, 5), 1), .clean = true, .changes = {}}});
