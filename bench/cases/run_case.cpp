@@ -425,7 +425,10 @@ class CaseRunner {
     const auto poses = m_simulation->bone_poses();
     snapshot.bone_poses.assign(poses.begin(), poses.end());
     if (m_fibres) snapshot.fibres = m_fibre_points;
-    if (m_forces) snapshot.contact = m_forces->at_nodes(*m_simulation);
+    if (m_forces) {
+      snapshot.contact = m_forces->at_nodes(*m_simulation);
+      snapshot.on_bones = m_forces->on_bones(*m_simulation);
+    }
     m_result.snapshots.push_back(std::move(snapshot));
   }
 

@@ -43,8 +43,9 @@ struct Snapshot {
   std::vector<double> surface_depths_m;  ///< a node: of the deepest point around it; 0: outside; empty: not kept
   bool surface_is_complete = true;       ///< whether the budget sufficed for them
   std::vector<RigidMotion> bone_poses;
-  NodeForces contact = {};                ///< empty where no forces are told
-  std::vector<std::vector<Vec3>> fibres;  ///< of each muscle, fibre after fibre; none where none are followed
+  NodeForces contact = {};                   ///< empty where no forces are told
+  std::vector<BoneVertexRow> on_bones = {};  ///< what muscles do to bones; empty where no forces are told
+  std::vector<std::vector<Vec3>> fibres;     ///< of each muscle, fibre after fibre; none where none are followed
 };
 
 struct RunResult {

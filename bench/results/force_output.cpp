@@ -45,8 +45,16 @@ std::string place_of(const ForceRow& row) {
 
 }  // namespace
 
+std::string bone_pressure_file(const Snapshot& snapshot) {
+  return fmt::format("snapshots/bones_{:04}.csv", snapshot.frame);
+}
+
 void write_forces(const std::filesystem::path& folder, const RunResult& result) {
   write_table_file(folder / "forces.csv", force_columns(), std::span<const ForceRow>(result.forces));
+  for (const Snapshot& snapshot : result.snapshots) {
+    if (snapshot.contact.pressures_pa.empty()) continue;
+    write_table_file(folder / bone_pressure_file(snapshot), bone_vertex_columns(), std::span(snapshot.on_bones));
+  }
 }
 
 Json json_of_forces(const RunResult& result) {

@@ -8,7 +8,10 @@
 
 namespace musclebench {
 
-/// Writes forces.csv.
+/// The path of a snapshot's table of bones in the run's folder.
+std::string bone_pressure_file(const Snapshot& snapshot);
+
+/// Writes forces.csv and the tables of bones.
 void write_forces(const std::filesystem::path& folder, const RunResult& result);
 
 /// "forces": the number of rows, what is left out, the largest torques and pressure.

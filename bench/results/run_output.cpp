@@ -80,6 +80,7 @@ Json json_of_snapshots(const RunResult& result) {
       snapshots.back()["surface_depth_complete"] = snapshot.surface_is_complete;
     }
     if (!snapshot.fibres.empty()) snapshots.back()["fibres"] = fibre_file(snapshot);
+    if (!snapshot.contact.pressures_pa.empty()) snapshots.back()["bone_pressure"] = bone_pressure_file(snapshot);
   }
   return snapshots;
 }

@@ -55,6 +55,19 @@ constexpr std::array<Column<ForceRow>, 21> force_table{{
      [](const ForceRow& r) { return number_cell(r.torque_n_m); }},
 }};
 
+constexpr std::array<Column<BoneVertexRow>, 6> bone_vertex_table{{
+    {{"bone", "", "that is pressed"}, [](const BoneVertexRow& r) { return r.bone; }},
+    {{"vertex", "", "of meshes/BONE.ply, from 0; vertices that nothing presses have no row"},
+     [](const BoneVertexRow& r) { return fmt::format("{}", r.vertex); }},
+    {{"pressure_pa", "Pa",
+      "sum over muscles of the push over the area that faces it, a third of the triangles about it"},
+     [](const BoneVertexRow& r) { return number_cell(r.pressure_pa); }},
+    {{"force_x_n", "N", "mean push over the frame, on the bone, along x of the world; without friction"},
+     [](const BoneVertexRow& r) { return number_cell(r.force_n.x()); }},
+    {{"force_y_n", "N", "along y"}, [](const BoneVertexRow& r) { return number_cell(r.force_n.y()); }},
+    {{"force_z_n", "N", "along z"}, [](const BoneVertexRow& r) { return number_cell(r.force_n.z()); }},
+}};
+
 }  // namespace
 
 std::string_view name_of(ForceSource source) {
@@ -64,5 +77,6 @@ std::string_view name_of(ForceSource source) {
 }
 
 std::span<const Column<ForceRow>> force_columns() { return force_table; }
+std::span<const Column<BoneVertexRow>> bone_vertex_columns() { return bone_vertex_table; }
 
 }  // namespace musclebench

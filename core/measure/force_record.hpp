@@ -46,10 +46,20 @@ struct ForceRow {
   std::optional<double> torque_n_m = {};
 };
 
+/// What muscles do to one vertex of a bone: a row of a snapshot's table. World frame.
+struct BoneVertexRow {
+  std::string bone;
+  int vertex = 0;  ///< of the bone's file in the run's folder
+  double pressure_pa = 0;
+  Vec3 force_n = Vec3::Zero();  ///< on the bone, without friction
+};
+
 /// The name of a source in forces.csv.
 std::string_view name_of(ForceSource source);
 
 /// The columns of a run's forces.csv.
 std::span<const Column<ForceRow>> force_columns();
+/// The columns of a snapshot's table of bones.
+std::span<const Column<BoneVertexRow>> bone_vertex_columns();
 
 }  // namespace musclebench

@@ -149,6 +149,9 @@ def write_rows(path: Path, columns: list[str], rows: list[dict]) -> None:
         writer.writerows(rows)
 
 
+BONE_PRESSURE_COLUMNS = ("bone", "vertex", "pressure_pa", "force_x_n", "force_y_n", "force_z_n")
+
+
 def run_record(scene: str, backend: str, frames: int, status: str = "ok", detail: str = "") -> dict:
     muscle, costs = scene.split("/")[-1], COSTS[backend]
     case = {"scene": scene, "preset": "paper", "backend": backend, "parameters": {},
@@ -204,6 +207,17 @@ def add_fibres(folder: Path, muscle: str, stretches) -> None:
     rows = [{"frame": frame, "muscle": muscle, "max_stretch": stretch} for frame, stretch in enumerate(stretches)]
     write_rows(folder / "fibres.csv", ["frame", "muscle", "max_stretch"], rows)
     write_rows(folder / "fibre_lengths.csv", ["frame", "muscle"], [{key: row[key] for key in ("frame", "muscle")} for row in rows])
+
+
+def press_bones(folder: Path, pressures_pa: dict[tuple[str, int], float], area_m2: float = 1e-4) -> None:
+    """At all moments that were kept. `pressures_pa`: by bone and vertex."""
+    record = json.loads((folder / "run.json").read_text())
+    rows = [{"bone": bone, "vertex": vertex, "pressure_pa": pa, "force_x_n": 0, "force_y_n": 0, "force_z_n": -pa * area_m2}
+            for (bone, vertex), pa in pressures_pa.items()]
+    for entry in record["snapshots"]:
+        entry["bone_pressure"] = f"snapshots/bones_{entry['frame']:04d}.csv"
+        write_rows(folder / entry["bone_pressure"], BONE_PRESSURE_COLUMNS, rows)
+    (folder / "run.json").write_text(json.dumps(record))
 
 
 def _write_snapshot(folder: Path, snapshot: Snapshot, triangles) -> dict:

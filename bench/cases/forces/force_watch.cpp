@@ -3,17 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <set>
 #include <utility>
+
+#include "bench/cases/forces/bone_pressure.hpp"
 
 namespace musclebench {
 
 namespace {
-
-/// Of the triangles about a node: a corner of a box has a third of them on each side. A push that looks past all of
-/// them would have no area.
-constexpr double least_facing = 0.25;
 
 /// Of each muscle, the mean force along its fibres over the frame; empty: no effect's fibres pull.
 std::vector<double> fibre_forces_n(const Simulation& simulation) {
@@ -44,9 +41,11 @@ void ForceWatch::Load::add(const Load& other) {
 
 ForceWatch::ForceWatch(const Scene& scene, const std::vector<BoundNode>& bound, const ForceObstacles& obstacles,
                        Simulation& simulation)
-    : m_scene(scene), m_obstacles(obstacles), m_bodies(scene.bodies()) {
+    : m_scene(scene),
+      m_obstacles(obstacles),
+      m_bodies(scene.bodies()),
+      m_areas(scene.muscle_mesh.vertices.size(), scene.muscle_mesh.triangles) {
   carry(bound);
-  list_triangles_of_nodes();
   for (const BoneMotion& motion : scene.motions) {
     RigidMotion before;  // of rotations that stand still
     std::optional<Axis> axis;
@@ -89,35 +88,6 @@ std::optional<double> ForceWatch::torque_n_m(int bone, const Load& load) const {
   return axis->direction.dot(load.moment_n_m - axis->centre_m.cross(load.force_n));
 }
 
-double ForceWatch::area_facing_m2(int node, const Vec3& push_n, std::span<const Vec3> positions) const {
-  const auto at = [&](int corner) -> const Vec3& { return positions[static_cast<std::size_t>(corner)]; };
-  const Vec3 inward = push_n.stableNormalized();
-  double area_m2 = 0;
-  double whole_m2 = 0;
-  const auto index = static_cast<std::size_t>(node);
-  for (std::size_t i = m_first_triangle[index]; i < m_first_triangle[index + 1]; ++i) {
-    const auto& [a, b, c] = m_scene.muscle_mesh.triangles[m_triangles[i]];
-    const Vec3 sixth_m2 = (at(b) - at(a)).cross(at(c) - at(a)) / 6;
-    area_m2 += std::max(0.0, -inward.dot(sixth_m2));
-    whole_m2 += sixth_m2.norm();
-  }
-  return std::max(area_m2, least_facing * whole_m2);
-}
-
-void ForceWatch::list_triangles_of_nodes() {
-  const std::vector<Triangle>& triangles = m_scene.muscle_mesh.triangles;
-  m_first_triangle.assign(m_scene.muscle_mesh.vertices.size() + 1, 0);
-  for (const Triangle& triangle : triangles) {
-    for (const int node : triangle) ++m_first_triangle[static_cast<std::size_t>(node) + 1];
-  }
-  std::partial_sum(m_first_triangle.begin(), m_first_triangle.end(), m_first_triangle.begin());
-  m_triangles.resize(3 * triangles.size());
-  std::vector<std::size_t> next(m_first_triangle.begin(), m_first_triangle.end() - 1);
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    for (const int node : triangles[t]) m_triangles[next[static_cast<std::size_t>(node)]++] = t;
-  }
-}
-
 ForceWatch::Told ForceWatch::contact(std::size_t muscle, std::size_t collider, const Simulation& simulation) const {
   const FrameImpulses& impulses = *simulation.impulses();
   const ContactImpulses& contacts = impulses.by_collider();
@@ -133,7 +103,7 @@ ForceWatch::Told ForceWatch::contact(std::size_t muscle, std::size_t collider, c
     const Vec3 push_n = per_duration * contacts.push_at(collider, node);
     friction_n += force_n - push_n;
     told.on_other.add(positions[static_cast<std::size_t>(node)], -force_n);
-    const double area = push_n.isZero(0) ? 0 : area_facing_m2(node, push_n, positions);
+    const double area = push_n.isZero(0) ? 0 : m_areas.about_m2(node, push_n, positions);
     normal_n += push_n.norm();
     area_m2 += area;
     if (area > 0) peak_pa = std::max(peak_pa, push_n.norm() / area);
@@ -299,13 +269,46 @@ NodeForces ForceWatch::at_nodes(const Simulation& simulation) const {
     double pressure_pa = 0;  // of all colliders: what pinches a node adds up
     for (std::size_t collider = 0; collider < contacts.colliders(); ++collider) {
       const Vec3 push_n = per_duration * contacts.push_at(collider, node);
-      const double area_m2 = push_n.isZero(0) ? 0 : area_facing_m2(node, push_n, positions);
+      const double area_m2 = push_n.isZero(0) ? 0 : m_areas.about_m2(node, push_n, positions);
       if (area_m2 > 0) pressure_pa += push_n.norm() / area_m2;
     }
     nodes.forces_n.push_back(per_duration * impulses.of_contacts(node));
     nodes.pressures_pa.push_back(pressure_pa);
   }
   return nodes;
+}
+
+std::vector<BoneVertexRow> ForceWatch::on_bones(const Simulation& simulation) const {
+  if (!m_obstacles.contacts.empty()) return {};
+  const FrameImpulses& impulses = *simulation.impulses();
+  const double per_duration = impulses.duration_s() > 0 ? 1 / impulses.duration_s() : 0;
+  const std::span<const Triangle> triangles = m_scene.muscle_mesh.triangles;
+  std::vector<BoneVertexRow> rows;
+  for (std::size_t bone = 0; bone < m_scene.bones.size(); ++bone) {
+    const RigidMotion& pose = simulation.bone_poses()[bone];
+    std::vector<Vec3> positions_m;
+    std::vector<Vec3> pushes_n;
+    for (std::size_t node = 0; node < simulation.positions().size(); ++node) {
+      const Vec3 push_n = per_duration * impulses.by_collider().push_at(bone, static_cast<int>(node));
+      positions_m.push_back(pose.apply_inverse(simulation.positions()[node]));
+      pushes_n.emplace_back(pose.rotation.transpose() * push_n);
+    }
+    BonePressure pressure(m_scene.bones[bone]);
+    // Muscle by muscle: what pinches a thin bone adds up.
+    for (const Body& body : m_bodies) {
+      pressure.add(triangles.subspan(body.first_triangle, body.last_triangle - body.first_triangle), positions_m,
+                   pushes_n);
+    }
+    const auto& [forces_n, pressures_pa] = pressure.loads();
+    for (std::size_t vertex = 0; vertex < forces_n.size(); ++vertex) {
+      if (!(pressures_pa[vertex] > 0)) continue;
+      rows.push_back({.bone = m_scene.bones[bone].name,
+                      .vertex = static_cast<int>(vertex),
+                      .pressure_pa = pressures_pa[vertex],
+                      .force_n = pose.apply_to_direction(forces_n[vertex])});
+    }
+  }
+  return rows;
 }
 
 }  // namespace musclebench

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
+#include "bench/cases/forces/facing_areas.hpp"
 #include "bench/cases/forces/force_obstacles.hpp"
 #include "core/measure/force_record.hpp"
 #include "core/pbd/simulation.hpp"
@@ -31,6 +31,9 @@ class ForceWatch {
   [[nodiscard]] std::vector<ForceRow> frame(int number, const Simulation& simulation) const;
   /// The same at nodes; before the first frame there are no forces. Empty where contacts have an obstacle.
   [[nodiscard]] NodeForces at_nodes(const Simulation& simulation) const;
+  /// The pushes at nodes, carried over to the vertices of bones: those that are pressed, by bone. Empty where contacts
+  /// have an obstacle.
+  [[nodiscard]] std::vector<BoneVertexRow> on_bones(const Simulation& simulation) const;
 
  private:
   /// Nodes of one muscle that one bone carries.
@@ -70,18 +73,13 @@ class ForceWatch {
   /// Of all retinacula, in their order; nothing where no effect holds tendons in them.
   [[nodiscard]] std::vector<Told> retinacula(const Simulation& simulation) const;
   [[nodiscard]] std::optional<double> torque_n_m(int bone, const Load& load) const;
-  void list_triangles_of_nodes();
-  /// A third of the triangles about a node, as seen along its push: those beside a rim do not count.
-  [[nodiscard]] double area_facing_m2(int node, const Vec3& push_n, std::span<const Vec3> positions) const;
 
   const Scene& m_scene;
   ForceObstacles m_obstacles;
   std::vector<Body> m_bodies;
   std::vector<Carried> m_carried;
   std::vector<std::optional<Axis>> m_axes;  ///< by bone
-  /// The triangles about a node are those from `m_first_triangle[node]` on in `m_triangles`.
-  std::vector<std::size_t> m_first_triangle;
-  std::vector<std::size_t> m_triangles;
+  FacingAreas m_areas;                      ///< of muscles
 };
 
 }  // namespace musclebench

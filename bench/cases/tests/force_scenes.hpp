@@ -122,7 +122,7 @@ course = "there"
   request.synthetic_mesh = [top_m](const std::string& name) {
     if (name == "ball") return moved(make_sphere(0.02, 4), Vec3(0, 0, 0.02005));
     if (name == "other") return moved(make_sphere(0.02, 4), Vec3(0, 0, 0.06005));
-    return moved(make_box(Vec3(0.04, 0.04, 0.005), 1), Vec3(0, 0, name == "plate" ? -0.005 : top_m + 0.005));
+    return moved(make_box(Vec3(0.04, 0.04, 0.005), 32), Vec3(0, 0, name == "plate" ? -0.005 : top_m + 0.005));
   };
   return read_scene(request);
 }

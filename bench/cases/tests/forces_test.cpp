@@ -215,6 +215,23 @@ TEST(Forces, OfABallOfLiquidPressWithThePressureInside) {
           std::accumulate(pressures.begin(), pressures.end(), 0.0) / static_cast<double>(pressures.size());
       EXPECT_NEAR(mean_pa, inner_pa, (height_mm == 0 ? 0.01 : 0.1) * inner_pa) << height_mm << " mm";
     }
+    // The plate feels the same, and all of it.
+    Vec3 whole_n = Vec3::Zero();
+    double sum_pa = 0;
+    int vertices = 0;
+    for (const BoneVertexRow& row : watch.on_bones(done.simulation())) {
+      if (row.bone != "plate") continue;
+      const Vec3& vertex = done.scene.bones.front().surface.mesh.vertices[static_cast<std::size_t>(row.vertex)];
+      whole_n += row.force_n;
+      if (vertex.z() < -1e-6 || std::hypot(vertex.x(), vertex.y()) > 0.005) continue;
+      sum_pa += row.pressure_pa;
+      ++vertices;
+    }
+    ASSERT_GT(vertices, 8);
+    EXPECT_NEAR(sum_pa / vertices, inner_pa, 0.03 * inner_pa);
+    double pushed_n = 0;
+    for (std::size_t i = 0; i < at.size(); ++i) pushed_n += impulses.by_collider().push_at(0, static_cast<int>(i)).z();
+    EXPECT_NEAR(whole_n.z(), -pushed_n / impulses.duration_s(), 1e-9 * pushed_n / impulses.duration_s());
   }
 }
 

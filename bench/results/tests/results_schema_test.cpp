@@ -148,6 +148,11 @@ TEST(ResultsSchema, HoldsForARun) {
   RunResult result = result_of(run);
   add_fibres(scene, result);
   result.forces.push_back({.source = ForceSource::joint, .other = "bone", .torque_n_m = 0.1});  // no bone turns here
+  for (Snapshot& snapshot : result.snapshots) {
+    // Left out in this scene, whose nodes weigh 1 kg.
+    snapshot.contact = {std::vector<Vec3>(snapshot.positions.size(), Vec3::Zero()),
+                        std::vector<double>(snapshot.positions.size())};
+  }
   for (const StepRecord& record : result.records) {
     ASSERT_EQ(record.pairs.size(), 2 * scene.bones.size() + 1);
     const PairRecord& touching = record.pairs.back();
@@ -166,6 +171,8 @@ TEST(ResultsSchema, HoldsForARun) {
   for (const char* table : {"fibres", "fibre_lengths", "forces"}) {
     EXPECT_EQ(header_of(folder.path() / "out" / (std::string(table) + ".csv")), names_in(results_schema_json()[table]));
   }
+  EXPECT_EQ(header_of(folder.path() / "out" / "snapshots" / "bones_0002.csv"),
+            names_in(results_schema_json()["bone_pressure"]));
   expect_schema(manifest_in(folder.path() / "out"), ResultKind::run);
 }
 

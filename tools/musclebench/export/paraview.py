@@ -6,6 +6,7 @@ from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
+import numpy.typing as npt
 import vtk
 from vtk.util.numpy_support import numpy_to_vtk
 
@@ -48,9 +49,11 @@ def _export_run(run: Run, out: Path) -> Path:
     part.mkdir()
     bones, entries = read_bones(run), []
     for shot in read_snapshots(run):
-        files = {MUSCLE: _muscle(shot)} | {
-            bone: poly_data(mesh.vertices_m @ rotation.T + translation_m, mesh.triangles)
-            for (bone, mesh), (rotation, translation_m) in zip(bones.items(), shot.poses)}
+        files = {MUSCLE: _muscle(shot)}
+        for (bone, mesh), (rotation, translation_m) in zip(bones.items(), shot.poses):
+            files[bone] = poly_data(mesh.vertices_m @ rotation.T + translation_m, mesh.triangles)
+            if bone in shot.bone_pressures_pa:
+                _add_values(files[bone], "pressure_pa", shot.bone_pressures_pa[bone])
         for number, (what, surface) in enumerate(files.items()):
             file = f"{what}_{shot.frame:04d}.vtp"
             _add_number(surface, "angle_deg", shot.angle_deg)
@@ -72,11 +75,16 @@ def _muscle(shot: Snapshot) -> vtk.vtkPolyData:
     if set(FORCE) <= set(columns):
         columns["contact_force_n"] = np.column_stack([columns.pop(name) for name in FORCE])
     for name, values in columns.items():
-        array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
-        array.SetName(name)
-        surface.GetPointData().AddArray(array)
+        _add_values(surface, name, values)
     surface.GetPointData().SetActiveScalars("depth_m")
     return surface
+
+
+def _add_values(surface: vtk.vtkPolyData, name: str, values: npt.NDArray[np.float64]) -> None:
+    """A value a vertex."""
+    array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
+    array.SetName(name)
+    surface.GetPointData().AddArray(array)
 
 
 def _add_number(surface: vtk.vtkPolyData, name: str, value: float) -> None:
