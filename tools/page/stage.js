@@ -5,12 +5,12 @@ import {
 } from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 
-import { valueAt } from "./run_data.js";
+import { ON_BONES, pressuresOnBones, valueAt } from "./run_data.js";
 import { placeVertices } from "./unpack.js";
 
+const BONE = new Color("#ede3c7");
 const MUSCLE = new Color().setRGB(178 / 255, 88 / 255, 80 / 255, "srgb");
 const SCALE = ["#9fe8f2", "#37a7d8", "#1f4fb0", "#120a5c"].map((text) => new Color(text)); // as in Fig. 6
-const BONE = "#ede3c7";
 const TOUCHING_MM = 0.02; // shallower than this counts as touching
 const LEAST_PRESSURE = 1e-3; // of the upper end of the scale
 const CONTACT_ARROW = "#23874b", ATTACHMENT_ARROW = "#9b3fc0"; // told in the page's legend
@@ -143,7 +143,7 @@ export class Stage {
       this.aim(inner.width / inner.height);
       const ray = new Raycaster();
       ray.setFromCamera(new Vector2(2 * x - 1, 1 - 2 * y), this.camera);
-      const hits = ray.intersectObjects(this.seeThrough ? [cell.muscle] : [cell.muscle, ...cell.bones]);
+      const hits = ray.intersectObjects(this.seeThrough ? [cell.muscle] : [cell.muscle, ...cell.bones]).filter(({ object }) => object.visible);
       const isSeen = (hit) => hit.object === cell.muscle || !this.isCut || this.cut.distanceToPoint(hit.point) >= 0;
       const hit = hits.find(isSeen);
       if (!hit) return null;
@@ -153,14 +153,30 @@ export class Stage {
   }
 }
 
+// Another geometry over the same vertices, with a colour of each.
+function paintable(geometry) {
+  const { position, normal } = geometry.attributes, painted = new BufferGeometry();
+  painted.setAttribute("position", position).setAttribute("normal", normal).setIndex(geometry.index);
+  return painted.setAttribute("color", new BufferAttribute(new Float32Array(3 * position.count), 3));
+}
+
+// Of a value over the upper end of the scale. The colour is valid until the next call.
+const mixed = new Color();
+function onScale(share) {
+  const at = Math.min(1, share) * (SCALE.length - 1), from = Math.min(SCALE.length - 2, Math.floor(at));
+  return mixed.copy(SCALE[from]).lerp(SCALE[from + 1], at - from);
+}
+
 class Cell {
   constructor(element, run, data) {
     Object.assign(this, { element, run, data });
     this.scene = new Scene();
     this.light = new DirectionalLight("#ffffff", 2.2);
     this.scene.add(new HemisphereLight("#ffffff", "#8d8d99", 1.5), this.light);
-    this.bones = data.bones.map((bone) => {
-      const mesh = new Mesh(bone.geometry, new MeshLambertMaterial({ color: BONE, side: DoubleSide }));
+    this.bones = data.bones.map((bone, i) => {
+      const isPressed = run.onBones.some((pressed) => pressed.bone === i);
+      const mesh = new Mesh(isPressed ? paintable(bone.geometry) : bone.geometry,
+                            new MeshLambertMaterial({ color: isPressed ? "#ffffff" : BONE, vertexColors: isPressed, side: DoubleSide }));
       Object.assign(mesh, { name: bone.name, matrixAutoUpdate: false });
       return mesh;
     });
@@ -178,6 +194,7 @@ class Cell {
 
   dispose() {
     this.muscle.geometry.dispose();
+    for (const { bone } of this.run.onBones) this.bones[bone].geometry.dispose();
   }
 
   seeBones(isSeeThrough, clippingPlanes) {
@@ -194,8 +211,8 @@ class Cell {
 
   setFrame(frame, marked, half, kind) {
     const moment = this.momentOf(frame), { vertices } = this.data.told;
-    this.muscle.visible = moment >= 0;
-    this.mark.visible = moment >= 0 && marked !== null;
+    this.muscle.visible = moment >= 0 && kind !== ON_BONES;
+    this.mark.visible = moment >= 0 && marked !== null && kind !== ON_BONES;
     if (moment < 0) return;
     this.run.told.poses[moment].forEach((pose, i) => {
       const [a, b, c, d, e, f, g, h, k, x, y, z] = pose;
@@ -203,6 +220,7 @@ class Cell {
       this.bones[i].updateMatrixWorld(true);
     });
     const { position, color } = this.muscle.geometry.attributes;
+    this.paintBones(moment, kind);
     placeVertices(position.array, this.run.steps, moment, vertices, this.run.told);
     this.paint(color.array, moment, kind);
     position.needsUpdate = color.needsUpdate = true;
@@ -212,7 +230,7 @@ class Cell {
       this.mark.position.fromBufferAttribute(position, marked);
       this.mark.scale.setScalar(0.022 * half);
     }
-    this.pointForces(kind === "pressure" ? this.run.told.arrows[moment] : [], half);
+    this.pointForces(kind === "pressure" || kind === ON_BONES ? this.run.told.arrows[moment] : [], half);
   }
 
   // What bones and other muscles do to the muscle; the largest force of all runs has the longest arrow.
@@ -230,17 +248,21 @@ class Cell {
   }
 
   paint(colours, moment, kind) {
-    const { vertices, deepest_mm: deepest, most_pa: mostPa } = this.data.told, mixed = new Color();
+    const { vertices, deepest_mm: deepest, most_pa: mostPa } = this.data.told;
     const top = kind === "pressure" ? mostPa : deepest, least = kind === "pressure" ? LEAST_PRESSURE * mostPa : TOUCHING_MM;
     for (let i = 0; i < vertices; ++i) {
       const value = valueAt(this.run, kind, moment, i, vertices);
-      if (value > least) {
-        const at = Math.min(1, value / top) * (SCALE.length - 1), from = Math.min(SCALE.length - 2, Math.floor(at));
-        mixed.copy(SCALE[from]).lerp(SCALE[from + 1], at - from).toArray(colours, 3 * i);
-      } else {
-        MUSCLE.toArray(colours, 3 * i);
-      }
+      (value > least ? onScale(value / top) : MUSCLE).toArray(colours, 3 * i);
     }
+  }
+
+  paintBones(moment, kind) {
+    const { most_bone_pa: mostPa } = this.data.told;
+    pressuresOnBones(this.run, moment, (bone, vertex, pressure) => {
+      const isSeen = kind === ON_BONES && pressure > LEAST_PRESSURE * mostPa;
+      (isSeen ? onScale(pressure / mostPa) : BONE).toArray(this.bones[bone].geometry.attributes.color.array, 3 * vertex);
+    });
+    for (const { bone } of this.run.onBones) this.bones[bone].geometry.attributes.color.needsUpdate = true;
   }
 
   nearestCorner(hit) {

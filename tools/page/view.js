@@ -1,6 +1,6 @@
 // A view in space with its controls: frames, play, bones, a node and what is known of it in each run.
 import { closestDistance, intoRestPose } from "./closest.js";
-import { largestAt, sceneData, valueAt } from "./run_data.js";
+import { hasKind, largestAt, ON_BONES, sceneData, valueAt } from "./run_data.js";
 import { Stage } from "./stage.js";
 import { escaped, figure, label } from "./words.js";
 
@@ -22,7 +22,7 @@ class View {
   constructor(element, choice, told) {
     Object.assign(this, { element, choice, told, marked: null });
     const part = (name) => element.querySelector(`.${name}`);
-    this.parts = Object.fromEntries(["stage", "cells", "slider", "frame", "play", "node", "bones", "cut", "coloured", "readout", "scale", "scale-low", "scale-top", "arrows", "arrow-top", "missing"]
+    this.parts = Object.fromEntries(["stage", "cells", "slider", "frame", "play", "node", "bones", "cut", "coloured", "readout", "scale", "outside", "scale-low", "scale-top", "arrows", "arrow-top", "missing"]
       .map((name) => [name, part(name)]));
     try {
       this.stage = new Stage(element.querySelector("canvas"), this.parts.cells);
@@ -38,8 +38,11 @@ class View {
     const { slider, play, node, bones, cut, coloured, cells } = this.parts;
     slider.addEventListener("input", () => this.setFrame());
     play.addEventListener("click", () => this.togglePlay());
-    for (const box of [bones, cut]) box.addEventListener("change", () => this.stage.seeBones(bones.checked, cut.checked));
-    coloured.addEventListener("change", () => this.setFrame());
+    for (const box of [bones, cut]) box.addEventListener("change", () => this.seeBones());
+    coloured.addEventListener("change", () => {
+      this.seeBones();
+      this.setFrame();
+    });
     node.addEventListener("change", () => this.mark(this.data.order.indexOf(Number(node.value))));
     part("reset").addEventListener("click", () => this.stage.resetCamera(1));
     part("behind-it").addEventListener("click", () => this.stage.resetCamera(-1));
@@ -87,7 +90,7 @@ class View {
       Object.assign(this.parts.slider, { max: this.data.frames.length - 1, value: this.firstMoment() });
       Object.assign(this.parts.node, { value: "", max: told.vertices - 1 });
       const kept = [...this.parts.coloured.options].filter((option) => {
-        option.hidden = option.disabled = !this.data.runs.some((run) => run.values[option.value]);
+        option.hidden = option.disabled = !this.data.runs.some((run) => hasKind(run, option.value));
         return !option.hidden;
       });
       this.parts.coloured.parentElement.hidden = kept.length < 2;
@@ -95,7 +98,7 @@ class View {
     }
     this.layOut();
     if (isNew) this.stage.resetCamera(1);
-    this.stage.seeBones(this.parts.bones.checked, this.parts.cut.checked);
+    this.seeBones();
     this.setFrame();
     this.element.dataset.drawn = told.muscle;
   }
@@ -126,14 +129,19 @@ class View {
     return this.data.frames[Number(this.parts.slider.value)];
   }
 
-  // Which depth is shown: of the nodes or of the surface around them.
+  // What colours tell.
   get kind() {
     return this.parts.coloured.value;
   }
 
+  // Colours on a bone need a bone that one does not see through.
+  seeBones() {
+    this.stage.seeBones(this.parts.bones.checked && this.kind !== ON_BONES, this.parts.cut.checked);
+  }
+
   setFrame() {
-    const { vertices } = this.data.told, { kind } = this, isPressure = kind === "pressure";
-    this.tellScale(isPressure);
+    const { vertices } = this.data.told, { kind } = this, isPressure = kind === "pressure" || kind === ON_BONES;
+    this.tellScale(isPressure, kind === ON_BONES);
     this.stage.setFrame(this.frame, this.marked, kind);
     const angle = this.data.runs.map(({ told }) => told.angles_deg[told.frames.indexOf(this.frame)]).find((one) => one !== undefined);
     this.parts.frame.textContent = `frame ${this.frame}, joint at ${figure(Math.round(10 * angle) / 10)}°`;
@@ -144,7 +152,7 @@ class View {
       const least = kind === "surface" && cell.run.told.open_surface_frames.includes(this.frame) ? "at least " : "";
       const largest = () => figure(largestAt(cell.run, kind, moment, vertices));
       const kept = isPressure ? () => `largest pressure ${largest()} Pa` : () => `deepest ${least}${largest()} mm`;
-      const text = ended || (cell.run.values[kind] ? kept() : isPressure ? `no pressure: ${cell.run.told.no_pressure}` : "depth not stored");
+      const text = ended || (hasKind(cell.run, kind) ? kept() : isPressure ? `no pressure: ${cell.run.told.no_pressure}` : "depth not stored");
       cell.element.querySelector(".cell-depth").textContent = text;
       return `${this.choice.name(cell.run.told.backend)}: ${text}`;
     });
@@ -152,14 +160,15 @@ class View {
     this.tellNode();
   }
 
-  tellScale(isPressure) {
-    const { deepest_mm: deepest, most_pa: mostPa, most_n: mostN } = this.data.told;
+  tellScale(isPressure, isOnBones) {
+    const { deepest_mm: deepest, most_n: mostN } = this.data.told, mostPa = isOnBones ? this.data.told.most_bone_pa : this.data.told.most_pa;
     this.parts["scale-low"].textContent = isPressure ? "not pressed" : "outside, or less than 0.02 mm inside";
     this.parts["scale-top"].textContent = isPressure ? `pressed with ${figure(mostPa)} Pa or more.` : `${figure(deepest)} mm or more deep in a bone`;
+    for (const name of ["outside", "scale-low"]) this.parts[name].hidden = isOnBones;
     this.parts.arrows.hidden = !isPressure;
     this.parts["arrow-top"].textContent = `${figure(mostN)} N`;
     this.parts.scale.setAttribute("aria-label", isPressure
-      ? "Colours: red is not pressed; light to dark blue is the pressure on the muscle. Arrows: forces on the muscle"
+      ? `Colours: light to dark blue is the pressure on ${isOnBones ? "the bones" : "the muscle; red is not pressed"}. Arrows: forces on the muscle`
       : "Colours: red is outside of bones or less than 0.02 mm inside; light to dark blue is the chosen depth in a bone");
   }
 

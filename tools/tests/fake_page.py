@@ -19,6 +19,7 @@ ROLES = fake_registry.roles()
 MUSCLES = ("iliacus", "gluteus_medius")
 BONES = {"pelvis": fake_runs.sphere((0, 0, 0.03), 0.03), "femur": fake_runs.sphere((0, 0, -0.05), 0.04)}
 MUSCLE = fake_runs.sphere((0, -0.05, 0.0), 0.06)
+PRESSED_PA = {("femur", vertex): 100.0 + vertex for vertex in range(40)}
 MOTIONS = {"femur": {"axis": [-1, 0, 0], "centre_m": [0, 0, 0], "angles_rad": [0, 1.57]}}
 
 
@@ -38,8 +39,9 @@ def write_paper(folder: Path, muscles=MUSCLES) -> Path:
     """What tools/paper leaves, as far as the page reads it."""
     for muscle in muscles:
         for backend in fake_runs.backends():
-            fake_runs.write_run(folder / "raw" / f"{muscle}-{backend}", f"synthetic/{muscle}", backend, FRAMES, bones=BONES,
-                                triangles=MUSCLE.triangles, snapshots=snapshots(), motions=MOTIONS)
+            run = fake_runs.write_run(folder / "raw" / f"{muscle}-{backend}", f"synthetic/{muscle}", backend, FRAMES, bones=BONES,
+                                      triangles=MUSCLE.triangles, snapshots=snapshots(), motions=MOTIONS)
+            fake_runs.press_bones(run, PRESSED_PA)
     runs = run_folder.read_runs(folder / "raw")
     run_folder.runs_table(runs).to_csv(folder / "runs.csv", index=False)
     (folder / "tables").mkdir()

@@ -43,7 +43,7 @@ found.middle = await moment(2);
 
 // Colours of either depth.
 found.deepest = {};
-for (const kind of ["surface", "node"]) {
+for (const kind of ["surface", "bone_pressure", "node"]) {
   await page.locator(`${view} .coloured`).selectOption(kind);
   found.deepest[kind] = { words: await page.locator(`${view} .cell-depth`).allTextContents(), picture: (await page.locator(`${view} .cells`).screenshot()).toString("base64") };
 }

@@ -53,6 +53,12 @@ def test_colours_show_the_depth_of_nodes_or_of_the_surface(found):
     assert found["deepest"]["node"]["picture"] != found["deepest"]["surface"]["picture"]
 
 
+def test_colours_show_the_pressure_on_bones(found):
+    told = found["deepest"]["bone_pressure"]
+    assert {float(text.split()[2]) for text in told["words"]} == {max(fake_page.PRESSED_PA.values())}
+    assert told["picture"] not in {found["deepest"][kind]["picture"] for kind in ("node", "surface")}
+
+
 def test_hovering_shows_what_the_file_holds(found):
     rows = pd.read_csv(pd.io.common.StringIO(found["file"]))
     frame = int(re.search(r"frame (\d+)", found["tip"])[1])

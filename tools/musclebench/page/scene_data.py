@@ -43,14 +43,17 @@ def scene_data(muscle: str, runs: dict[str, Run], shots: dict[str, list[Snapshot
     order = neighbours_order(len(surface.vertices_m), surface.triangles)
     shapes_m = np.concatenate([np.stack([shot.mesh.vertices_m for shot in kept]) for kept in same.values()])
     most_pa = _most_pa(same)
+    most_bone_pa = _largest_shown_pa([pa for kept in same.values() for shot in kept for pa in shot.bone_pressures_pa.values()])
     return {
         "muscle": muscle, "vertices": len(order), "triangles": len(surface.triangles),
         "corners": packed_triangles(surface.triangles, order), "order": packed_words(np.diff(order, prepend=0), 32),
         "attached": packed_words(surface.extra["attached"][order], 8),
         "bones": [{"name": name, "mesh": _shared(mesh, meshes)} for name, mesh in bones.items()],
         "deepest_mm": _deepest_mm(same), "most_pa": most_pa, "most_n": _most_n(runs, same),
+        "most_bone_pa": most_bone_pa,
         **_seen(sight or _usual_sight(runs[first], bones, shots[first]), shapes_m),
-        "runs": [_run(backend, runs[backend], kept, order, most_pa) for backend, kept in same.items()],
+        "runs": [_run(backend, runs[backend], kept, order, most_pa) | {"bone_pressures": _bone_pressures(bones, kept, most_bone_pa)}
+                 for backend, kept in same.items()],
     }
 
 
@@ -104,8 +107,24 @@ def _most_n(runs: dict[str, Run], shots: dict[str, list[Snapshot]]) -> float:
                 for arrow in _arrows(runs[backend], shot.frame)), default=0.0)
 
 
+def _bone_pressures(bones: dict[str, PlyMesh], shots: list[Snapshot], most_pa: float) -> list[dict]:
+    """Of each bone that muscles press: its number and the pressures on its vertices at each moment."""
+    told = []
+    for number, (name, mesh) in enumerate(bones.items()):
+        pressures_pa = [shot.bone_pressures_pa[name] for shot in shots if name in shot.bone_pressures_pa]
+        if len(pressures_pa) < len(shots) or not any(values.any() for values in pressures_pa):
+            continue
+        step_pa, text = packed_depths(np.minimum(np.stack(pressures_pa), 10 * most_pa), neighbours_order(len(mesh.vertices_m), mesh.triangles))
+        told.append({"bone": number, "step_pa": step_pa, "text": text})
+    return told
+
+
 def _most_pa(shots: dict[str, list[Snapshot]]) -> float:
-    pressures = [shot.mesh.extra["pressure_pa"] for kept in shots.values() for shot in kept if "pressure_pa" in shot.mesh.extra]
+    return _largest_shown_pa([shot.mesh.extra["pressure_pa"] for kept in shots.values() for shot in kept if "pressure_pa" in shot.mesh.extra])
+
+
+def _largest_shown_pa(pressures: list[np.ndarray]) -> float:
+    """Upper end of a colour scale."""
     pressed = np.concatenate(pressures) if pressures else np.zeros(0)
     pressed = pressed[pressed > 0]
     return float(f"{percentile(pressed, [TOP_PRESSURE_PERCENT])[0]:.2g}") if len(pressed) else 0.0
