@@ -17,7 +17,9 @@ from musclebench.experiments.selection import beside_references
 from musclebench.options.accuracy import QUICK_MUSCLE, parse_arguments
 from musclebench.options.shared import check_options
 from musclebench.page.of_study import page_of
+from musclebench.pictures.in_display import draw_in_display
 from musclebench.program.cli import Problem, run_command
+from musclebench.program.optional_packages import left_out_without
 from musclebench.program.registry import Registry, read_registry
 from musclebench.results.run_folder import ResultProblem
 
@@ -47,8 +49,14 @@ def _quick(group: CaseGroup) -> CaseGroup:
     return replace(group, configurations=configurations, replay_s=QUICK_REPLAY_SECONDS)
 
 
-def write_report(out_dir: Path) -> list[Path]:
-    files = report.write_report(out_dir)
+def write_report(out_dir: Path, problems: list[str]) -> list[Path]:
+    """Why pictures in space are missing joins the problems."""
+    files = list(report.write_report(out_dir))
+    try:
+        with left_out_without("the pictures in space"):
+            files += draw_in_display("bone_pressure", out_dir, [])
+    except Problem as problem:
+        problems.append(str(problem))
     for path in files:
         if path.name == PRICE_LIST:
             print(f"\n{path.read_text().rstrip()}")
@@ -72,7 +80,7 @@ def measure_and_report(arguments) -> int:
     if options.report_only:
         require_results(folders.out_dir)
         problems: list[str] = []
-        files = [*write_report(folders.out_dir), *page_of("accuracy", folders.out_dir, options), *bundle_files(options, folders.out_dir, problems)]
+        files = [*write_report(folders.out_dir, problems), *page_of("accuracy", folders.out_dir, options), *bundle_files(options, folders.out_dir, problems)]
         return end("accuracy", files, problems, folders.out_dir)
     registry = read_registry(options.musclebench)
     sweep = sweep_of(asked(file, options, registry), options, registry, folders, QUICK_MUSCLE if options.quick else None)
@@ -82,7 +90,7 @@ def measure_and_report(arguments) -> int:
         return 0
     problems = sweep.run(cases, limits, options.keep_structures)
     measured = time.monotonic()
-    files = [*write_report(folders.out_dir), *page_of("accuracy", folders.out_dir, options), *bundle_files(options, folders.out_dir, problems)]
+    files = [*write_report(folders.out_dir, problems), *page_of("accuracy", folders.out_dir, options), *bundle_files(options, folders.out_dir, problems)]
     print(f"\nMeasured in {duration(measured - started)}, drawn in {duration(time.monotonic() - measured)}.")
     return end("accuracy", files, problems, folders.out_dir)
 

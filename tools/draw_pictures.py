@@ -4,6 +4,7 @@
 import sys
 from pathlib import Path
 
+from musclebench.accuracy.bone_pressure_figure import draw_bone_pressures
 from musclebench.anatomy.import_pictures import draw_import
 from musclebench.figures import looks
 from musclebench.pictures.fibre_figure import draw_fibres, name_of
@@ -18,12 +19,15 @@ KINDS = {
     "fibres": lambda runs, folder, say: draw_fibres({name_of(run): run for run in runs}, folder / "fibres", say),
 }
 IMPORT = "import"  # no runs: a folder of tools/import
+BONE_PRESSURE = "bone_pressure"  # no runs: a folder of tools/accuracy
 POPULATION = "population"  # runs that did not hold
 
 
 def draw(kind: str, out_dir: Path, names: list[str], say) -> list[Path]:
     if kind == IMPORT:
         return draw_import(out_dir, say)
+    if kind == BONE_PRESSURE:
+        return draw_bone_pressures(out_dir, say)
     if kind == POPULATION:
         return draw_broken(run_folder.read_all([out_dir / "raw" / name for name in names]), out_dir, say)
     looks.know(saved_registry(out_dir))

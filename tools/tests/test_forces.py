@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -14,8 +15,9 @@ from musclebench.accuracy.aggregates import aggregates_of, of_mode
 from musclebench.accuracy.force_errors import force_errors
 from musclebench.page.scene_data import _arrows
 from musclebench.results.damage import damage
-from musclebench.results.force_differences import force_differences
+from musclebench.results.force_differences import bone_pressures, force_differences, maps_off_percent
 from musclebench.results.run_folder import read_run
+from musclebench.results.snapshots import read_snapshots
 from musclebench.tables.force_table import force_table
 from program import call, needs_program
 
@@ -46,6 +48,7 @@ def study(tmp_path):
             record = json.loads((told / "run.json").read_text())
             record["case"]["forces"] = True
             (told / "run.json").write_text(json.dumps(record))
+            fake_runs.press_bones(told, {("femur", 3): 300.0, ("femur", 4): 400.0 * factor})
     return tmp_path
 
 
@@ -58,6 +61,7 @@ def test_errors_are_percent_of_the_exact_runs_forces(study):
     for what in ("torque", "contact", "pressure"):
         assert found["sdf 64"][f"{what}_percent"] == pytest.approx(10), what
         assert voxel[f"{what}_percent"] == pytest.approx(50), what
+    assert voxel["map_percent"] == pytest.approx(100 * 200 / 500)
     assert np.isnan(voxel["torque_floor_percent"])
     table = force_table(of_mode(aggregates, "arms"), errors)
     assert set(table.rows["configuration"]) == set(found) and len(found) == 3
@@ -66,7 +70,7 @@ def test_errors_are_percent_of_the_exact_runs_forces(study):
 @pytest.mark.long
 def test_the_study_writes_their_table_and_fronts(study):
     files = report.write_report(study).files
-    assert {"force_errors.csv", "pareto_torque.png", "pareto_pressure.png"} <= {path.name for path in files}
+    assert {"force_errors.csv", "pareto_torque.png", "pareto_pressure.png", "pareto_map.png"} <= {path.name for path in files}
     assert "percent of the root mean square" in (study / "figures" / "pareto_torque.md").read_text()
 
 
@@ -78,6 +82,25 @@ def test_a_bone_that_stands_still_has_no_torque_to_be_off(study):
     assert np.isnan(found["torque_percent"]) and found["contact_percent"] == pytest.approx(10)
     run.forces.drop(run.forces.index, inplace=True)
     assert force_differences(other, run) == {}
+
+
+def told_map(folder, pressures_pa: dict) -> pd.DataFrame:
+    folder.mkdir()
+    (folder / "snapshots").mkdir()
+    (folder / "run.json").write_text(json.dumps({"snapshots": [{"frame": 9}]}))
+    fake_runs.press_bones(folder, pressures_pa)
+    return bone_pressures(SimpleNamespace(folder=folder, record=json.loads((folder / "run.json").read_text())))
+
+
+def test_maps_are_off_where_only_one_presses(tmp_path):
+    exact = told_map(tmp_path / "exact", {("tibia", 3): 300.0, ("tibia", 4): 400.0})
+    same = told_map(tmp_path / "same", {("tibia", 4): 400.0, ("tibia", 3): 300.0})
+    beside = told_map(tmp_path / "beside", {("tibia", 3): 300.0, ("fibula", 4): 400.0})
+    nothing = told_map(tmp_path / "nothing", {})
+    assert maps_off_percent(same, exact) == 0
+    assert maps_off_percent(beside, exact) == pytest.approx(100 * (2 * 400**2)**0.5 / 500)
+    assert maps_off_percent(nothing, exact) == pytest.approx(100)
+    assert np.isnan(maps_off_percent(exact, nothing))
 
 
 def test_arrows_are_of_the_muscle(study):
@@ -113,9 +136,14 @@ def test_snapshots_hold_the_pressure_that_adds_up_to_the_force(tmp_path):
     assert mesh.extra["force_z_n"].sum() == pytest.approx(told[told["frame"] == 50]["force_z_n"].sum(), rel=1e-9)
     assert mesh.extra["pressure_pa"].max() == pytest.approx(told[told["frame"] == 50]["peak_pressure_pa"].max(), rel=1e-9)
     assert not read_ply(out / "snapshots" / "frame_0000.ply").extra["pressure_pa"].any()
+    on_plate = pd.read_csv(out / "snapshots" / "bones_0050.csv")
+    assert on_plate["force_z_n"].sum() == pytest.approx(-told[told["frame"] == 50]["force_z_n"].sum(), rel=1e-6)
+    assert read_snapshots(read_run(out))[1].bone_pressures_pa["plate"].max() == on_plate["pressure_pa"].max() > 0
+    assert pd.read_csv(out / "snapshots" / "bones_0000.csv").empty
     export_runs([read_run(out)], tmp_path / "vtk")
     text = next((tmp_path / "vtk").glob("out/muscle_0050.vtp")).read_bytes()
     assert b'Name="contact_force_n"' in text and b'Name="pressure_pa"' in text and b'Name="force_x_n"' not in text
+    assert b'Name="pressure_pa"' in next((tmp_path / "vtk").glob("out/plate_0050.vtp")).read_bytes()
 
 
 def test_a_table_without_forces_is_empty(tmp_path):

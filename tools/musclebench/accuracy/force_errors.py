@@ -3,15 +3,16 @@
 from ..results.force_differences import RULE as DIFFERENCES
 from ..results.force_differences import force_differences
 from .aggregates import Aggregate, exact_aggregate, find
+from .configurations import Configuration
 
 RULE = f"{DIFFERENCES} The floor is the same difference for an exact run from a start that differs by rounding."
 
 
-def force_errors(told: list[Aggregate], floors: list[Aggregate]) -> dict[tuple, dict]:
-    """{(scene, configuration): {torque_percent, contact_percent, pressure_percent, torque_floor_percent,
-    pressure_floor_percent}}; without those whose forces, or the exact run's, are not known. Telling forces takes time, so that
+def force_errors(told: list[Aggregate], floors: list[Aggregate]) -> dict[tuple[str, Configuration], dict[str, float]]:
+    """{(scene, configuration): {torque_percent, contact_percent, pressure_percent, map_percent, torque_floor_percent,
+    pressure_floor_percent, map_floor_percent}}; without those whose forces, or the exact run's, are not known. Telling forces takes time, so that
     the times of these runs do not count."""
-    found: dict[tuple, dict] = {}
+    found: dict[tuple[str, Configuration], dict[str, float]] = {}
     for one in told:
         if one.is_shown and (errors := _errors(one, exact_aggregate(told, one.scene))):
             found[(one.scene, one.configuration)] = errors | _floor(one.scene, told, floors)
@@ -21,7 +22,7 @@ def force_errors(told: list[Aggregate], floors: list[Aggregate]) -> dict[tuple, 
 def _floor(scene: str, told: list[Aggregate], floors: list[Aggregate]) -> dict[str, float]:
     floor = next((one for one in floors if one.scene == scene and one.is_shown), None)
     errors = _errors(floor, find(told, scene, floor.configuration)) if floor else {}
-    return {f"{what}_floor_percent": errors.get(f"{what}_percent", float("nan")) for what in ("torque", "pressure")}
+    return {f"{what}_floor_percent": errors.get(f"{what}_percent", float("nan")) for what in ("torque", "pressure", "map")}
 
 
 def _errors(one: Aggregate, reference: Aggregate | None) -> dict[str, float]:

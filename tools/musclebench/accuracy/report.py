@@ -185,7 +185,7 @@ def _draw_arms(armed: list[Aggregate], wrong: set, arms: dict, folder: Path) -> 
 
 def _draw_forces(told: list[Aggregate], wrong: set, forces: dict, folder: Path) -> list[Path]:
     files = []
-    for what, words in (("torque", "joint torque"), ("pressure", "peak contact pressure")):
+    for what, words in (("torque", "joint torque"), ("pressure", "peak contact pressure"), ("map", "pressure over bones")):
         def error(aggregate: Aggregate, key=f"{what}_percent") -> float:
             return forces.get((aggregate.scene, aggregate.configuration), {}).get(key, math.nan)
 

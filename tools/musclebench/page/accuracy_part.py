@@ -21,13 +21,14 @@ PARETO = (
     ("pareto_moment_arm", "moment arm off by, RMS (mm)", "same arm"),
     ("pareto_torque", "joint torque off by, RMS (%)", "same"),
     ("pareto_pressure", "peak contact pressure off by, RMS (%)", "same"),
+    ("pareto_map", "pressure over bones off by, RMS (%)", "same"),
 )
 TABLES = (
     ("price_list", "Price list: what a surface offset costs"),
     ("arm_price_list", "Price list: what an error of the moment arm costs"),
     ("coupled_outcomes", "Each backend moving its own muscle"),
     ("arm_errors", "Moment arms and fibre lengths"),
-    ("force_errors", "Joint torque, contact force and peak pressure"),
+    ("force_errors", "Joint torque, contact force and pressure"),
 )
 
 

@@ -71,9 +71,17 @@ class Scene3d:
         self._temporary: list[vtk.vtkActor] = []
         self._add_lights()
 
-    def set_bone(self, name: str, vertices_m: np.ndarray, triangles: np.ndarray) -> None:
-        actor = _surface_actor(with_normals(poly_data(vertices_m, triangles)))
+    def set_bone(self, name: str, vertices_m: np.ndarray, triangles: np.ndarray, colours: np.ndarray | None = None,
+                 opacity: float = 1.0) -> None:
+        """In the place of one of this name. colours (n, 3) in 0..255, one a vertex; that of bone unless told."""
+        data = poly_data(vertices_m, triangles)
+        if colours is not None:
+            data.GetPointData().SetScalars(numpy_to_vtk(np.ascontiguousarray(colours, dtype=np.uint8), deep=True))
+        actor = _surface_actor(with_normals(data))
         actor.GetProperty().SetColor(*BONE_COLOUR)
+        actor.GetProperty().SetOpacity(opacity)
+        if name in self._bones:
+            self._renderer.RemoveActor(self._bones[name])
         self._renderer.AddActor(actor)
         self._bones[name] = actor
 

@@ -14,7 +14,9 @@ COLUMNS = [
     Column("torque_floor_percent", "floor of the torque %", 2, "floor\n%"),
     Column("contact_percent", "contact force, RMS %", 2, "contact\nRMS %"),
     Column("pressure_percent", "peak pressure, RMS %", 2, "pressure\nRMS %"),
-    Column("pressure_floor_percent", "floor of the pressure %", 2, "floor\n%"), Column("detail", "detail"),
+    Column("pressure_floor_percent", "floor of the pressure %", 2, "floor\n%"),
+    Column("map_percent", "pressure map, RMS %", 2, "map\nRMS %"), Column("map_floor_percent", "floor of the map %", 2, "floor\n%"),
+    Column("detail", "detail"),
 ]
 
 
