@@ -212,6 +212,7 @@ class CaseRunner {
     record.involuntary_switches = switches.involuntary;
     m_result.machine.switches += switches;
     note_pruned_bones(frame);
+    note_what_gave_up(frame);
     record.contacts = static_cast<int>(m_simulation->contacts().size());
     if (m_muscle_contact != nullptr) record.muscle_contacts = m_muscle_contact->contact_count();
     if (m_scene.muscles.size() > 1) record.pairs = pairs_of(record.times);
@@ -251,6 +252,14 @@ class CaseRunner {
     const std::string cause = cause_of_divergence(*again.simulation, frame, steps);
     m_result.last_steps = steps.take();
     return cause.empty() ? "" : ", moved out by " + cause;
+  }
+
+  void note_what_gave_up(int frame) {
+    for (const auto& stage : m_simulation->stages()) {
+      if (std::ranges::find(m_result.gave_up, stage->name(), &GaveUp::stage) != m_result.gave_up.end()) continue;
+      std::string why = stage->gave_up();
+      if (!why.empty()) m_result.gave_up.push_back({std::string(stage->name()), frame, std::move(why)});
+    }
   }
 
   void note_pruned_bones(int frame) {
@@ -373,6 +382,9 @@ class CaseRunner {
     note_slack_fibres();
     if (!m_result.force_obstacles.unsettled.empty()) m_result.notes.push_back(m_result.force_obstacles.unsettled);
     std::vector<std::string> reasons = suspicions(m_result.outcome, m_result.rest);
+    for (const auto& [stage, frame, why] : m_result.gave_up) {
+      reasons.push_back(fmt::format("{} does not hold from frame {} on: {}", stage, frame, why));
+    }
     if (m_scene.attach_at_first_contact && m_result.bound_nodes.empty()) {
       reasons.emplace_back("no node touches a bone at rest, and so none is bound (attachment = \"first_contact\")");
     }

@@ -48,11 +48,19 @@ struct Snapshot {
   std::vector<std::vector<Vec3>> fibres;     ///< of each muscle, fibre after fibre; none where none are followed
 };
 
+/// What a stage of the run promises and could not hold.
+struct GaveUp {
+  std::string stage;
+  int frame = 0;  ///< in which that was first so
+  std::string why;
+};
+
 struct RunResult {
   std::string status = "ok";       ///< ok, suspect (beyond an OutcomeLimit), diverged or interrupted
   std::string status_detail;       ///< sentences: why it is not ok, and what may mend it
   std::vector<std::string> notes;  ///< what a reader should know beside that
   MuscleAtRest rest;
+  std::vector<GaveUp> gave_up;  ///< at most one a stage
   Outcome outcome;
   MachineState machine;
   std::vector<std::string> effect_names;

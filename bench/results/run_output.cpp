@@ -195,6 +195,9 @@ Json manifest(const RunCase& run, const RunResult& result) {
   json["limits"] = json_of_limits();
   json["snapshots"] = json_of_snapshots(result);
   if (run.forces) json["forces"] = json_of_forces(result);
+  for (const auto& [stage, frame, why] : result.gave_up) {
+    json["gave_up"].push_back({{"stage", stage}, {"frame", frame}, {"why", why}});
+  }
   if (!result.fibres_refused.empty()) json["fibres_refused"] = result.fibres_refused;
   if (!result.followed_fibres.empty()) {
     json["fibres"] = json_of_fibres(result);

@@ -2,6 +2,7 @@
 
 #include <limits>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -58,6 +59,8 @@ class ContactStage {
 
   /// The number of contacts that the last step found, or of nodes that it acted on.
   [[nodiscard]] virtual int contact_count() const = 0;
+  /// What it promises and could not hold since the run began, in words; empty: nothing.
+  [[nodiscard]] virtual std::string gave_up() const { return {}; }
 };
 
 }  // namespace musclebench

@@ -147,6 +147,7 @@ TEST(ResultsSchema, HoldsForARun) {
   run.colliders.of_faces = BackendChoice{&run.backend, run.parameters};
   RunResult result = result_of(run);
   add_fibres(scene, result);
+  result.gave_up.push_back({"no_passage", 1, "two bones come together"});
   result.forces.push_back({.source = ForceSource::joint, .other = "bone", .torque_n_m = 0.1});  // no bone turns here
   for (Snapshot& snapshot : result.snapshots) {
     // Left out in this scene, whose nodes weigh 1 kg.

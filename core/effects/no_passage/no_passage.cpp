@@ -5,7 +5,12 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <span>
+#include <string>
+#include <string_view>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "core/contact/contact_rows.hpp"
 #include "core/effects/no_passage/joined_sets.hpp"
@@ -48,6 +53,7 @@ class NoPassage final : public ContactStage {
  public:
   NoPassage(const StageInput& input, double gap_m, int rounds, bool with_itself)
       : m_paths(*input.mesh, input.bodies, input.bones, input.bound_nodes, with_itself, input.threads),
+        m_bones(input.bones),
         m_bodies(input.bodies.begin(), input.bodies.end()),
         m_left_out(m_paths, input.bones, m_bodies, touching_share * gap_m),
         m_gap_m(gap_m),
@@ -105,6 +111,7 @@ class NoPassage final : public ContactStage {
 
   /// Pairs of features that came too close in the round that had most.
   [[nodiscard]] int contact_count() const override { return m_hit_count; }
+  [[nodiscard]] std::string gave_up() const override { return m_gave_up; }
 
  private:
   [[nodiscard]] const Triangle& triangle(std::size_t t) const { return m_paths.mesh().triangles[t]; }
@@ -319,17 +326,36 @@ class NoPassage final : public ContactStage {
   /// Joins what still comes too close, with all that this brings too close in turn.
   void move_in_zones(const ContactStageInput& input) {
     const std::size_t nodes = m_safe.size();
-    m_zones.reset(nodes + m_paths.bones());
+    m_zones.reset(nodes + m_paths.bones() + 1);
     const std::vector<Vec3> wanted = m_proposed;
     std::vector<char> is_in(nodes, 0);
     while (!m_hits.empty()) {
       bool has_grown = false;
       for (const Hit& hit : m_hits) has_grown = join(hit.stencil, is_in) || has_grown;
-      if (!has_grown) return;  // bones alone bring these together
+      if (!has_grown) {
+        give_up(m_hits.front().stencil);
+        return;
+      }
       place_zones(input, wanted, is_in);
       change_moved();
       find_hits();
     }
+  }
+
+  /// What moves as is prescribed brings these together.
+  void give_up(const PassageStencil& stencil) {
+    if (!m_gave_up.empty()) return;
+    const std::size_t nodes = m_safe.size();
+    const int node = *std::ranges::find_if(stencil.corners, [&](const int& corner) {
+      return !stencil.is_of_bone(static_cast<std::size_t>(&corner - stencil.corners.data()));
+    });
+    std::vector<std::string_view> by;
+    for (std::size_t b = 0; b <= m_paths.bones(); ++b) {
+      if (m_zones.find(static_cast<int>(nodes + b)) != m_zones.find(node)) continue;
+      by.push_back(b < m_paths.bones() ? std::string_view(m_bones[b].name) : "nodes that are held in place");
+    }
+    m_gave_up = fmt::format("{} is between {}, which come together", m_bodies[m_paths.body_of_node(node)].name,
+                            fmt::join(by, " and "));
   }
 
   /// Whether that is news.
@@ -350,22 +376,31 @@ class NoPassage final : public ContactStage {
       const int node = stencil.corners[k];
       if (std::exchange(is_in[at_index(node)], 1) == 0) {
         is_news = true;
-        if (m_paths.carriers()[at_index(node)] >= 0) add(nodes + m_paths.carriers()[at_index(node)]);
+        if (m_paths.carriers()[at_index(node)] >= 0) add(nodes + static_cast<int>(carrier_of(at_index(node))));
       }
       add(node);
     }
     return is_news;
   }
 
+  /// Of a bound node: the bone that moves it, or `m_paths.bones()` for the world, in which it stands still where no
+  /// effect carries it.
+  [[nodiscard]] std::size_t carrier_of(std::size_t node) const {
+    return m_proposed[node] == m_safe[node] ? m_paths.bones() : at_index(m_paths.carriers()[node]);
+  }
+
   void place_zones(const ContactStageInput& input, std::span<const Vec3> wanted, std::span<const char> is_in) {
     const std::size_t nodes = m_safe.size();
-    std::vector<int> bone_of(nodes + m_paths.bones(), -1);
-    for (std::size_t b = 0; b < m_paths.bones(); ++b) {
-      int& bone = bone_of[at_index(m_zones.find(static_cast<int>(nodes + b)))];
-      if (bone < 0) bone = static_cast<int>(b);
+    const std::size_t world = m_paths.bones();
+    const std::size_t items = nodes + world + 1;
+    constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+    std::vector<std::size_t> carrier(items, none);  // by zone
+    for (std::size_t b = 0; b <= world; ++b) {
+      std::size_t& of_zone = carrier[at_index(m_zones.find(static_cast<int>(nodes + b)))];
+      of_zone = std::min(of_zone, b);
     }
-    std::vector<Vec3> moments(nodes + m_paths.bones(), Vec3::Zero());
-    std::vector<double> masses(nodes + m_paths.bones(), 0);
+    std::vector<Vec3> moments(items, Vec3::Zero());
+    std::vector<double> masses(items, 0);
     for (std::size_t node = 0; node < nodes; ++node) {
       if (is_in[node] == 0 || !(m_inverse_masses[node] > 0)) continue;
       const std::size_t zone = at_index(m_zones.find(static_cast<int>(node)));
@@ -376,16 +411,19 @@ class NoPassage final : public ContactStage {
     for (std::size_t node = 0; node < nodes; ++node) {
       if (is_in[node] == 0 || !(m_inverse_masses[node] > 0)) continue;
       const std::size_t zone = at_index(m_zones.find(static_cast<int>(node)));
-      const int bone = bone_of[zone];
-      const Vec3 placed = bone >= 0 ? input.bone_poses[at_index(bone)].apply(
-                                          input.previous_bone_poses[at_index(bone)].apply_inverse(m_safe[node]))
-                                    : Vec3(m_safe[node] + moments[zone] / masses[zone]);
+      const std::size_t by = carrier[zone];
       m_is_moved[node] = 1;
-      m_proposed[node] = placed;
+      m_proposed[node] = m_safe[node];
+      if (by == none) {
+        m_proposed[node] += moments[zone] / masses[zone];
+      } else if (by != world) {
+        m_proposed[node] = input.bone_poses[by].apply(input.previous_bone_poses[by].apply_inverse(m_safe[node]));
+      }
     }
   }
 
   PassagePaths m_paths;
+  std::span<const Bone> m_bones;
   std::vector<Body> m_bodies;
   LeftOut m_left_out;
   double m_gap_m;
@@ -404,6 +442,7 @@ class NoPassage final : public ContactStage {
   JoinedSets m_zones;
   std::vector<int> m_changed;
   int m_hit_count = 0;
+  std::string m_gave_up;
 };
 
 }  // namespace

@@ -85,6 +85,7 @@ class NoPassageTest : public testing::Test {
                             .nodes = m_mesh.vertices.size(),
                             .triangles = m_mesh.triangles,
                             .inverse_masses = m_masses,
+                            .bound_nodes = m_bound,
                             .threads = threads,
                             .mesh = &m_mesh,
                             .bodies = m_bodies},
@@ -134,6 +135,7 @@ class NoPassageTest : public testing::Test {
   std::vector<Body> m_bodies;
   std::vector<Bone> m_bones;
   std::vector<double> m_masses;
+  std::vector<BoundNode> m_bound;
   RigidMotion m_rest;
 };
 
@@ -279,6 +281,59 @@ TEST_F(NoPassageTest, LargeTrianglesMayLeaveWhatTheyGoThrough) {
       start = proposed;
     }
   }
+}
+
+/// A ball whose lower half is bound to the bone, and its upper half pushed through that.
+class HeldBallTest : public NoPassageTest {
+ protected:
+  HeldBallTest() {
+    m_mesh = make_sphere(1, 2);
+    m_bodies = {Body{"ball", 0, static_cast<int>(m_mesh.vertices.size()), 0, m_mesh.triangles.size()}};
+    m_masses.assign(m_mesh.vertices.size(), 1);
+    for (int node = 0; node < m_bodies[0].last_node; ++node) {
+      if (m_mesh.vertices[static_cast<std::size_t>(node)].z() > -0.1) continue;
+      m_bound.push_back({node, 0});
+      m_masses[static_cast<std::size_t>(node)] = 0;
+    }
+    m_rest.translation_m = Vec3(0, 0, -30);
+  }
+
+  /// Moves the bone and what is above `from_m`; what the stage then says that it could not do.
+  std::string push(const Vec3& bone_by, double from_m, const Vec3& by) {
+    std::vector<Vec3> start = m_mesh.vertices;
+    std::vector<Vec3> proposed = start;
+    for (Vec3& node : proposed) node += node.z() > from_m ? by : Vec3(0, 0, 0);
+    const std::vector<RigidMotion> poses{m_rest};
+    std::vector<RigidMotion> next = poses;
+    next[0].translation_m += bone_by;
+    const auto guard = stage();
+    (void)guard->before_bones({start, proposed, {}, poses, next, {}});
+    (void)guard->end_substep({start, proposed, {}, poses, next, {}});
+    m_end = proposed;
+    return guard->gave_up();
+  }
+
+  std::vector<Vec3> m_end;
+};
+
+/// No effect need carry them: then they stay where they are, wherever their bone goes.
+TEST_F(HeldBallTest, NodesThatStandStillAreNotTakenAlongByTheirBone) {
+  EXPECT_EQ(push({0.2, 0.1, -1.2}, 0.1, {0.13, 0.07, -1.5}), "");
+  EXPECT_EQ(crossings_in(m_end, m_mesh.triangles), 0);
+}
+
+TEST_F(HeldBallTest, ABoneThatComesThroughThemIsTold) {
+  m_bound.assign(1, {m_bound.front().node, 1});
+  m_bones.push_back(Bone{"other", m_bones[0].surface});
+  m_rest.translation_m = Vec3(0, 0, 4);
+  std::vector<Vec3> start = m_mesh.vertices;
+  std::vector<Vec3> proposed = start;
+  const std::vector<RigidMotion> poses{m_rest, {Mat3::Identity(), Vec3(0, 0, -40)}};
+  const std::vector<RigidMotion> next{{Mat3::Identity(), Vec3(0, 0, -1)}, poses[1]};
+  const auto guard = stage();
+  (void)guard->before_bones({start, proposed, {}, poses, next, {}});
+  (void)guard->end_substep({start, proposed, {}, poses, next, {}});
+  EXPECT_EQ(guard->gave_up(), "ball is between bone and nodes that are held in place, which come together");
 }
 
 /// Two balls that begin in each other: two muscles, or parts of one.
