@@ -11,7 +11,7 @@ from copied_tools import PROJECT
 from musclebench.page.bundle import script_file
 
 TOOLS = ("accuracy", "board", "bundle", "compare", "budget", "effects", "experiment", "fuzz", "hard", "import", "moment-arms", "mutants", "nightly",
-         "paper", "population", "publish", "release", "report", "safe-step", "speed")
+         "paper", "population", "publish", "release", "report", "safe-step", "speed", "stress")
 NEEDED_WORDS = {"board": (".",), "bundle": (".",),
                 "import": (".", "--map", "tools/pyproject.toml", "--out", "new"), "compare": ("HEAD", "HEAD"), "experiment": ("paper",),
                 "population": ("ankle/soleus", "--shape", "size=5"),
