@@ -62,6 +62,16 @@ VertexLoads pressed_by(const Bone& bone, const Sheet& sheet) {
 /// A plate of 80 x 80 x 4 mm whose upper side is at 0.
 Bone plate(int cells) { return bone_of(moved(make_box(Vec3(0.04, 0.04, 0.002), cells), Vec3(0, 0, -0.002))); }
 
+/// A thin fold: what faces the push counts, and the other side of the fold does not.
+TEST(FacingAreas, LeaveOutWhatFacesAway) {
+  const std::vector<Vec3> at{{0, 0, 0}, {0.03, 0, 0}, {0, 0.02, 0}, {0, 0.01, 0}};
+  const std::vector<Triangle> triangles{{0, 2, 1}, {0, 1, 3}};
+  const FacingAreas areas(at.size(), triangles);
+  EXPECT_DOUBLE_EQ(areas.about_m2(0, Vec3(0, 0, 7), at), 1e-4);
+  EXPECT_DOUBLE_EQ(areas.about_m2(0, Vec3(0, 0, -7), at), 0.5e-4);
+  EXPECT_DOUBLE_EQ(areas.about_m2(0, Vec3(7, 0, 0), at), 0.25 * 1.5e-4) << "a quarter, whatever it looks like";
+}
+
 /// A bone that is finer than the muscle has no peaks at its nodes, and one that is coarser no holes.
 TEST(BonePressure, OfAUniformPressureIsUniform) {
   for (const int cells_of_bone : {20, 33, 97}) {
