@@ -48,7 +48,8 @@ def study(tmp_path):
             record = json.loads((told / "run.json").read_text())
             record["case"]["forces"] = True
             (told / "run.json").write_text(json.dumps(record))
-            fake_runs.press_bones(told, {("femur", 3): 300.0, ("femur", 4): 400.0 * factor})
+            if backend != "voxel":
+                fake_runs.press_bones(told, {("femur", 3): 300.0, ("femur", 4): 400.0 * factor})
     return tmp_path
 
 
@@ -61,7 +62,7 @@ def test_errors_are_percent_of_the_exact_runs_forces(study):
     for what in ("torque", "contact", "pressure"):
         assert found["sdf 64"][f"{what}_percent"] == pytest.approx(10), what
         assert voxel[f"{what}_percent"] == pytest.approx(50), what
-    assert voxel["map_percent"] == pytest.approx(100 * 200 / 500)
+    assert found["sdf 64"]["map_percent"] == pytest.approx(100 * 40 / 500) and np.isnan(voxel["map_percent"])
     assert np.isnan(voxel["torque_floor_percent"])
     table = force_table(of_mode(aggregates, "arms"), errors)
     assert set(table.rows["configuration"]) == set(found) and len(found) == 3

@@ -56,11 +56,11 @@ def draw_bone_pressures(out_dir: Path, say: Callable[[str], None]) -> list[Path]
             off = errors[(scene, one.configuration)]
             panel.imshow(picture, interpolation="antialiased")
             panel.set_title(one.configuration.name, fontsize=7, fontweight="bold", color=looks.colour(one.backend))
-            panel.text(0.5, -0.02, f"off by {off:.2g} %" if off > 0 else "exact", ha="center", va="top", fontsize=7, transform=panel.transAxes)
+            panel.text(0.5, -0.02, f"off by {float(f'{off:.2g}'):g} %" if off > 0 else "exact", ha="center", va="top", fontsize=7, transform=panel.transAxes)
             table.append({"muscle": one.muscle, "configuration": one.configuration.name, "map_percent": off, "scale_pa": most_pa})
-        row[0].text(-0.04, 0.5, f"{style.muscle_label(shown[0].muscle)}\n0 to {most_pa:.2g} Pa", rotation=90, ha="right", va="center",
+        row[0].text(-0.04, 0.5, f"{style.muscle_label(shown[0].muscle)}\n0 to {most_pa:g} Pa", rotation=90, ha="right", va="center",
                     fontsize=7, transform=row[0].transAxes)
-    figure.suptitle("Pressure on the bone that is pressed most, without the muscle, where the motion is farthest", x=0.05 / width,
+    figure.suptitle("Pressure on the bone beneath the muscle, where the motion is farthest", x=0.05 / width,
                     y=1 - 0.05 / height, ha="left", va="top")
     bar = figure.colorbar(cm.ScalarMappable(colors.Normalize(0, 1), DEPTH_COLOURS), extend="max",
                           cax=figure.add_axes((1 - 0.6 / width, 0.25, 0.1 / width, 0.5)))

@@ -25,8 +25,14 @@ def force_differences(run: Run, reference: Run) -> dict[str, float]:
         "torque_percent": _off_percent(*(_joints(one) for one in (run, reference))),
         "contact_percent": _off_percent(*(_contacts(one)[FORCE] for one in (run, reference))),
         "pressure_percent": _off_percent(*(_contacts(one)["peak_pressure_pa"].groupby("frame").max() for one in (run, reference))),
-        "map_percent": maps_off_percent(*(bone_pressures(one) for one in (run, reference))),
+        "map_percent": _maps_off_percent(run, reference),
     }
+
+
+def _maps_off_percent(run: Run, reference: Run) -> float:
+    """NaN where one of both tells none: its contacts have no forces."""
+    is_told = all("bone_pressure" in entry for one in (run, reference) for entry in one.record.get("snapshots", []))
+    return maps_off_percent(bone_pressures(run), bone_pressures(reference)) if is_told else float("nan")
 
 
 def bone_pressures(run: Run) -> pd.DataFrame:
