@@ -326,14 +326,15 @@ class NoPassage final : public ContactStage {
   /// Joins what still comes too close, with all that this brings too close in turn.
   void move_in_zones(const ContactStageInput& input) {
     const std::size_t nodes = m_safe.size();
-    m_zones.reset(nodes + m_paths.bones() + 1);
+    m_zones.reset(nodes + m_paths.bones());
+    m_is_held.assign(nodes, 0);
     const std::vector<Vec3> wanted = m_proposed;
     std::vector<char> is_in(nodes, 0);
     while (!m_hits.empty()) {
       bool has_grown = false;
-      for (const Hit& hit : m_hits) has_grown = join(hit.stencil, is_in) || has_grown;
+      for (const Hit& hit : m_hits) has_grown = join(hit.stencil, is_in, input) || has_grown;
       if (!has_grown) {
-        give_up(m_hits.front().stencil);
+        note_what_closes();
         return;
       }
       place_zones(input, wanted, is_in);
@@ -342,24 +343,35 @@ class NoPassage final : public ContactStage {
     }
   }
 
-  /// What moves as is prescribed brings these together.
-  void give_up(const PassageStencil& stencil) {
+  /// Of the hits that are left, one whose features come closer: what moves as is prescribed brings them together.
+  /// Features that touch are hits also where they move as one.
+  void note_what_closes() {
     if (!m_gave_up.empty()) return;
-    const std::size_t nodes = m_safe.size();
-    const int node = *std::ranges::find_if(stencil.corners, [&](const int& corner) {
-      return !stencil.is_of_bone(static_cast<std::size_t>(&corner - stencil.corners.data()));
+    const auto hit = std::ranges::find_if(m_hits, [&](const Hit& each) {
+      const PassageStencil& stencil = each.stencil;
+      const double change_m =
+          distance_of(stencil.kind, m_paths.ends_of(stencil)) - distance_of(stencil.kind, m_paths.starts_of(stencil));
+      return std::abs(change_m) > touching_m();
     });
+    if (hit == m_hits.end()) return;
+    std::size_t corner = 0;
+    while (hit->stencil.is_of_bone(corner)) ++corner;
+    const int zone = m_zones.find(hit->stencil.corners[corner]);
     std::vector<std::string_view> by;
-    for (std::size_t b = 0; b <= m_paths.bones(); ++b) {
-      if (m_zones.find(static_cast<int>(nodes + b)) != m_zones.find(node)) continue;
-      by.push_back(b < m_paths.bones() ? std::string_view(m_bones[b].name) : "nodes that are held in place");
+    for (std::size_t b = 0; b < m_paths.bones(); ++b) {
+      if (m_zones.find(static_cast<int>(m_safe.size() + b)) == zone) by.push_back(m_bones[b].name);
     }
-    m_gave_up = fmt::format("{} is between {}, which come together", m_bodies[m_paths.body_of_node(node)].name,
-                            fmt::join(by, " and "));
+    for (std::size_t node = 0; node < m_safe.size(); ++node) {
+      if (m_is_held[node] == 0 || m_zones.find(static_cast<int>(node)) != zone) continue;
+      by.push_back("nodes that are held in place");
+      break;
+    }
+    m_gave_up = fmt::format("{} is between {}, which come together",
+                            m_bodies[m_paths.body_of_node(hit->stencil.corners[corner])].name, fmt::join(by, " and "));
   }
 
   /// Whether that is news.
-  bool join(const PassageStencil& stencil, std::vector<char>& is_in) {
+  bool join(const PassageStencil& stencil, std::vector<char>& is_in, const ContactStageInput& input) {
     const auto nodes = static_cast<int>(m_safe.size());
     bool is_news = false;
     int first = -1;
@@ -376,28 +388,38 @@ class NoPassage final : public ContactStage {
       const int node = stencil.corners[k];
       if (std::exchange(is_in[at_index(node)], 1) == 0) {
         is_news = true;
-        if (m_paths.carriers()[at_index(node)] >= 0) add(nodes + static_cast<int>(carrier_of(at_index(node))));
+        const int carrier = m_paths.carriers()[at_index(node)];
+        if (carrier >= 0 && is_held(at_index(node), input)) {
+          m_is_held[at_index(node)] = 1;
+        } else if (carrier >= 0) {
+          add(nodes + carrier);
+        }
       }
       add(node);
     }
     return is_news;
   }
 
-  /// Of a bound node: the bone that moves it, or `m_paths.bones()` for the world, in which it stands still where no
-  /// effect carries it.
-  [[nodiscard]] std::size_t carrier_of(std::size_t node) const {
-    return m_proposed[node] == m_safe[node] ? m_paths.bones() : at_index(m_paths.carriers()[node]);
+  /// Whether a bound node stays where it is while its bone moves: no effect carries it.
+  [[nodiscard]] bool is_held(std::size_t node, const ContactStageInput& input) const {
+    const std::size_t bone = at_index(m_paths.carriers()[node]);
+    const RigidMotion& before = input.previous_bone_poses[bone];
+    const RigidMotion& after = input.bone_poses[bone];
+    return m_proposed[node] == m_safe[node] &&
+           (before.rotation != after.rotation || before.translation_m != after.translation_m);
   }
 
   void place_zones(const ContactStageInput& input, std::span<const Vec3> wanted, std::span<const char> is_in) {
     const std::size_t nodes = m_safe.size();
-    const std::size_t world = m_paths.bones();
-    const std::size_t items = nodes + world + 1;
-    constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
-    std::vector<std::size_t> carrier(items, none);  // by zone
-    for (std::size_t b = 0; b <= world; ++b) {
-      std::size_t& of_zone = carrier[at_index(m_zones.find(static_cast<int>(nodes + b)))];
-      of_zone = std::min(of_zone, b);
+    const std::size_t items = nodes + m_paths.bones();
+    constexpr int none = -1;
+    constexpr int stands = -2;
+    std::vector<int> carrier(items, none);  // by zone: a bone, or what holds it
+    for (std::size_t node = 0; node < nodes; ++node) {
+      if (m_is_held[node] != 0) carrier[at_index(m_zones.find(static_cast<int>(node)))] = stands;
+    }
+    for (std::size_t b = m_paths.bones(); b-- > 0;) {
+      carrier[at_index(m_zones.find(static_cast<int>(nodes + b)))] = static_cast<int>(b);
     }
     std::vector<Vec3> moments(items, Vec3::Zero());
     std::vector<double> masses(items, 0);
@@ -411,13 +433,14 @@ class NoPassage final : public ContactStage {
     for (std::size_t node = 0; node < nodes; ++node) {
       if (is_in[node] == 0 || !(m_inverse_masses[node] > 0)) continue;
       const std::size_t zone = at_index(m_zones.find(static_cast<int>(node)));
-      const std::size_t by = carrier[zone];
+      const int by = carrier[zone];
       m_is_moved[node] = 1;
       m_proposed[node] = m_safe[node];
       if (by == none) {
         m_proposed[node] += moments[zone] / masses[zone];
-      } else if (by != world) {
-        m_proposed[node] = input.bone_poses[by].apply(input.previous_bone_poses[by].apply_inverse(m_safe[node]));
+      } else if (by >= 0) {
+        m_proposed[node] =
+            input.bone_poses[at_index(by)].apply(input.previous_bone_poses[at_index(by)].apply_inverse(m_safe[node]));
       }
     }
   }
@@ -440,6 +463,7 @@ class NoPassage final : public ContactStage {
   std::vector<ContactRow> m_rows;
   std::map<PassageStencil, std::size_t> m_row_of;
   JoinedSets m_zones;
+  std::vector<char> m_is_held;  ///< by node of a zone: bound, and stands still while its bone moves
   std::vector<int> m_changed;
   int m_hit_count = 0;
   std::string m_gave_up;
