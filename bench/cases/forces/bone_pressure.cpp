@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <iterator>
 #include <optional>
+#include <utility>
 
 #include "core/bvh/triangle_bvh.hpp"
 #include "core/distance/triangle_distance.hpp"
@@ -17,8 +18,12 @@ using Corners = std::array<Vec3, 3>;
 
 /// Samples of the bone are this many times as fine as the edges of the muscle.
 constexpr double samples_per_edge = 2;
+/// And no finer: the edges of a muscle that has collapsed may be 0.
+constexpr double finest_m = 1e-7;
 /// So far beside the muscle, in its edges, or beneath what is round between its nodes, a bone is still under it.
 constexpr double edges_away = 0.5;
+/// A node that has flown off since it was pushed does not reach for the bone from afar.
+constexpr double most_edges_of_margin = 4;
 
 /// Of a triangle without area.
 const Vec3 even_weights = Vec3::Constant(1.0 / 3);
@@ -45,22 +50,31 @@ double longest_edge_m(const Corners& corners) {
   return longest_m;
 }
 
+/// Triangles with a node that is pushed.
+std::vector<Triangle> pressed(std::span<const Triangle> triangles, std::span<const Vec3> pushes_n) {
+  std::vector<Triangle> found;
+  std::ranges::copy_if(triangles, std::back_inserter(found), [&](const Triangle& triangle) {
+    return std::ranges::any_of(triangle, [&](int node) { return !pushes_n[static_cast<std::size_t>(node)].isZero(0); });
+  });
+  return found;
+}
+
 /// The triangles of a muscle that press, and how far a bone's point may be away from them.
 class PressedPatch {
  public:
-  PressedPatch(const Bone& bone, std::span<const Triangle> triangles, std::span<const Vec3> positions_m,
+  PressedPatch(const TriangleBvh& bone, std::vector<Triangle> triangles, std::span<const Vec3> positions_m,
                std::span<const Vec3> pushes_n)
-      : m_triangles(pressed(triangles, pushes_n)), m_tree(mesh_of(m_triangles, positions_m)) {
+      : m_triangles(std::move(triangles)), m_tree(mesh_of(m_triangles, positions_m)) {
     double sum_m = 0;
     for (const Triangle& triangle : m_triangles) sum_m += longest_edge_m(corners_of(triangle, positions_m));
-    m_edge_m = m_triangles.empty() ? 0 : sum_m / static_cast<double>(m_triangles.size());
+    m_edge_m = sum_m / static_cast<double>(m_triangles.size());
     for (const Triangle& triangle : m_triangles) {
       double away_m = 0;
       for (const int node : triangle) {
         const auto n = static_cast<std::size_t>(node);
-        if (!pushes_n[n].isZero(0)) away_m = std::max(away_m, bone.tree().closest_point(positions_m[n])->distance_m);
+        if (!pushes_n[n].isZero(0)) away_m = std::max(away_m, bone.closest_point(positions_m[n])->distance_m);
       }
-      m_reaches_m.push_back(edges_away * m_edge_m + away_m);
+      m_reaches_m.push_back(edges_away * m_edge_m + std::min(away_m, most_edges_of_margin * m_edge_m));
       m_farthest_m = std::max(m_farthest_m, m_reaches_m.back());
     }
   }
@@ -71,15 +85,6 @@ class PressedPatch {
   }
 
  private:
-  static std::vector<Triangle> pressed(std::span<const Triangle> triangles, std::span<const Vec3> pushes_n) {
-    std::vector<Triangle> found;
-    std::ranges::copy_if(triangles, std::back_inserter(found), [&](const Triangle& triangle) {
-      return std::ranges::any_of(triangle,
-                                 [&](int node) { return !pushes_n[static_cast<std::size_t>(node)].isZero(0); });
-    });
-    return found;
-  }
-
   static TriangleMesh mesh_of(const std::vector<Triangle>& triangles, std::span<const Vec3> positions_m) {
     TriangleMesh mesh;
     for (const Triangle& triangle : triangles) {
@@ -101,7 +106,7 @@ class PressedPatch {
     std::array<double, 3> edges_m{};
     for (std::size_t k = 0; k < 3; ++k) edges_m[k] = (part[(k + 1) % 3] - part[k]).norm();
     const auto longest = static_cast<std::size_t>(std::ranges::max_element(edges_m) - edges_m.begin());
-    if (edges_m[longest] > m_edge_m / samples_per_edge) {
+    if (edges_m[longest] > std::max(m_edge_m, finest_m) / samples_per_edge) {
       const Vec3 middle = (part[longest] + part[(longest + 1) % 3]) / 2;
       Corners one = part;
       Corners other = part;
@@ -131,23 +136,27 @@ class PressedPatch {
 
 }  // namespace
 
-BonePressure::BonePressure(const Bone& bone)
+BonePressure::BonePressure(const TriangleMesh& bone)
     : m_bone(bone),
-      m_areas(bone.surface.mesh.vertices.size(), bone.surface.mesh.triangles),
-      m_loads{.forces_n = std::vector<Vec3>(bone.surface.mesh.vertices.size(), Vec3::Zero()),
-              .pressures_pa = std::vector<double>(bone.surface.mesh.vertices.size(), 0)} {}
+      m_tree(bone),
+      m_areas(bone.vertices.size(), bone.triangles),
+      m_loads{.forces_n = std::vector<Vec3>(bone.vertices.size(), Vec3::Zero()),
+              .pressures_pa = std::vector<double>(bone.vertices.size(), 0)} {}
 
 void BonePressure::add(std::span<const Triangle> triangles, std::span<const Vec3> positions_m,
                        std::span<const Vec3> pushes_n) {
-  const TriangleMesh& mesh = m_bone.surface.mesh;
-  const auto is_finite = [](const Vec3& vector) { return vector.allFinite(); };
-  if (mesh.triangles.empty() || !std::ranges::all_of(positions_m, is_finite) ||
-      !std::ranges::all_of(pushes_n, is_finite))
-    return;
-  const PressedPatch patch(m_bone, triangles, positions_m, pushes_n);
+  const std::vector<Triangle> pressing = pressed(triangles, pushes_n);
+  const bool is_told = std::ranges::all_of(pressing, [&](const Triangle& triangle) {
+    return std::ranges::all_of(triangle, [&](int node) {
+      const auto n = static_cast<std::size_t>(node);
+      return positions_m[n].allFinite() && pushes_n[n].allFinite();
+    });
+  });
+  if (m_bone.triangles.empty() || pressing.empty() || !is_told) return;
+  const PressedPatch patch(m_tree, pressing, positions_m, pushes_n);
   std::vector<Sample> samples;
-  for (const Triangle& triangle : mesh.triangles) {
-    patch.sample(triangle, corners_of(triangle, mesh.vertices), samples);
+  for (const Triangle& triangle : m_bone.triangles) {
+    patch.sample(triangle, corners_of(triangle, m_bone.vertices), samples);
   }
   std::vector<double> covered_m2(positions_m.size(), 0);
   for (const Sample& sample : samples) {
@@ -156,7 +165,7 @@ void BonePressure::add(std::span<const Triangle> triangles, std::span<const Vec3
           sample.node_weights[k] * sample.area_m2;
     }
   }
-  std::vector<Vec3> forces_n(mesh.vertices.size(), Vec3::Zero());
+  std::vector<Vec3> forces_n(m_bone.vertices.size(), Vec3::Zero());
   const auto put = [&](const Triangle& vertices, const Vec3& weights, const Vec3& force_n) {
     for (int k = 0; k < 3; ++k)
       forces_n[static_cast<std::size_t>(vertices[static_cast<std::size_t>(k)])] += weights[k] * force_n;
@@ -171,19 +180,19 @@ void BonePressure::add(std::span<const Triangle> triangles, std::span<const Vec3
   }
   // A node that covers no sample, at a needle's tip, say.
   std::vector<int> nodes;
-  for (const Triangle& triangle : triangles) nodes.insert(nodes.end(), triangle.begin(), triangle.end());
+  for (const Triangle& triangle : pressing) nodes.insert(nodes.end(), triangle.begin(), triangle.end());
   std::ranges::sort(nodes);
   nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
   for (const int n : nodes) {
     const auto node = static_cast<std::size_t>(n);
     if (pushes_n[node].isZero(0) || covered_m2[node] > 0) continue;
-    const ClosestPoint closest = *m_bone.tree().closest_point(positions_m[node]);
-    const Triangle& vertices = mesh.triangles[static_cast<std::size_t>(closest.triangle)];
-    put(vertices, barycentric(closest.point, corners_of(vertices, mesh.vertices), even_weights), -pushes_n[node]);
+    const ClosestPoint closest = *m_tree.closest_point(positions_m[node]);
+    const Triangle& vertices = m_bone.triangles[static_cast<std::size_t>(closest.triangle)];
+    put(vertices, barycentric(closest.point, corners_of(vertices, m_bone.vertices), even_weights), -pushes_n[node]);
   }
   for (std::size_t vertex = 0; vertex < forces_n.size(); ++vertex) {
     if (forces_n[vertex].isZero(0)) continue;
-    const double area_m2 = m_areas.about_m2(static_cast<int>(vertex), forces_n[vertex], mesh.vertices);
+    const double area_m2 = m_areas.about_m2(static_cast<int>(vertex), forces_n[vertex], m_bone.vertices);
     if (area_m2 > 0) m_loads.pressures_pa[vertex] += forces_n[vertex].norm() / area_m2;
     m_loads.forces_n[vertex] += forces_n[vertex];
   }

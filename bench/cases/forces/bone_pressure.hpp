@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "bench/cases/forces/facing_areas.hpp"
-#include "core/contact/bone.hpp"
+#include "core/bvh/triangle_bvh.hpp"
+#include "core/mesh/triangle_mesh.hpp"
 
 namespace musclebench {
 
@@ -21,8 +22,8 @@ struct VertexLoads {
 /// all forces add up to those on the muscle. A bone that is coarser than the muscle tells means over its triangles.
 class BonePressure {
  public:
-  /// `bone` outlives this.
-  explicit BonePressure(const Bone& bone);
+  /// `bone` outlives this. Builds a tree over it.
+  explicit BonePressure(const TriangleMesh& bone);
 
   /// Adds what one surface does to the bone. `positions_m` and `pushes_n` (on the surface, along contacts' normals) are
   /// by node and in the bone's frame.
@@ -31,7 +32,8 @@ class BonePressure {
   [[nodiscard]] const VertexLoads& loads() const { return m_loads; }
 
  private:
-  const Bone& m_bone;
+  const TriangleMesh& m_bone;
+  TriangleBvh m_tree;
   FacingAreas m_areas;
   VertexLoads m_loads;
 };

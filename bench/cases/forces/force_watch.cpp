@@ -293,7 +293,8 @@ std::vector<BoneVertexRow> ForceWatch::on_bones(const Simulation& simulation) co
       positions_m.push_back(pose.apply_inverse(simulation.positions()[node]));
       pushes_n.emplace_back(pose.rotation.transpose() * push_n);
     }
-    BonePressure pressure(m_scene.bones[bone]);
+    if (std::ranges::all_of(pushes_n, [](const Vec3& push_n) { return push_n.isZero(0); })) continue;
+    BonePressure pressure(m_scene.bones[bone].surface.mesh);
     // Muscle by muscle: what pinches a thin bone adds up.
     for (const Body& body : m_bodies) {
       pressure.add(triangles.subspan(body.first_triangle, body.last_triangle - body.first_triangle), positions_m,

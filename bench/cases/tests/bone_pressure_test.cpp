@@ -54,7 +54,7 @@ Vec3 sum_of(const std::vector<Vec3>& forces_n) {
 }
 
 VertexLoads pressed_by(const Bone& bone, const Sheet& sheet) {
-  BonePressure pressure(bone);
+  BonePressure pressure(bone.surface.mesh);
   pressure.add(sheet.triangles, sheet.positions_m, sheet.pushes_n);
   return pressure.loads();
 }
@@ -158,13 +158,20 @@ TEST(BonePressure, OfABallIsByItsOwnArea) {
 TEST(BonePressure, OfTwoMusclesAddsUp) {
   const Bone bone = plate(20);
   const Sheet sheet(20, 1e-4);
-  BonePressure twice(bone);
+  BonePressure twice(bone.surface.mesh);
   twice.add(sheet.triangles, sheet.positions_m, sheet.pushes_n);
   const VertexLoads once = twice.loads();
   twice.add(sheet.triangles, sheet.positions_m, sheet.pushes_n);
   for (std::size_t i = 0; i < once.pressures_pa.size(); ++i) {
     EXPECT_DOUBLE_EQ(twice.loads().pressures_pa[i], 2 * once.pressures_pa[i]);
   }
+}
+
+/// All of its nodes are at one place.
+TEST(BonePressure, OfACollapsedSheetKeepsTheForce) {
+  Sheet sheet(4, 1e-4);
+  for (Vec3& node : sheet.positions_m) node = Vec3(0.001, 0.002, 1e-4);
+  EXPECT_NEAR(sum_of(pressed_by(plate(40), sheet).forces_n).z(), -1.6, 1e-9);
 }
 
 TEST(BonePressure, OfWhatIsNoNumberIsNone) {
