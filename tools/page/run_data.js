@@ -54,7 +54,7 @@ export function valueAt(run, kind, moment, node, vertices) {
 }
 
 // `kind`: what `valueAt` takes, or what bones are coloured by.
-export const hasKind = (run, kind) => (kind === ON_BONES ? run.onBones.length > 0 : Boolean(run.values[kind]));
+export const hasKind = (run, kind) => (kind === ON_BONES ? run.told.tells_bones : Boolean(run.values[kind]));
 
 // Calls `visit` with a bone, a vertex of it and its pressure (Pa).
 export function pressuresOnBones(run, moment, visit) {

@@ -157,7 +157,9 @@ export class Stage {
 function paintable(geometry) {
   const { position, normal } = geometry.attributes, painted = new BufferGeometry();
   painted.setAttribute("position", position).setAttribute("normal", normal).setIndex(geometry.index);
-  return painted.setAttribute("color", new BufferAttribute(new Float32Array(3 * position.count), 3));
+  const colours = new Float32Array(3 * position.count);
+  for (let i = 0; i < position.count; ++i) BONE.toArray(colours, 3 * i);
+  return painted.setAttribute("color", new BufferAttribute(colours, 3));
 }
 
 // Of a value over the upper end of the scale. The colour is valid until the next call.
@@ -257,6 +259,8 @@ class Cell {
   }
 
   paintBones(moment, kind) {
+    if (kind !== ON_BONES && !this.areBonesPainted) return;
+    this.areBonesPainted = kind === ON_BONES;
     const { most_bone_pa: mostPa } = this.data.told;
     pressuresOnBones(this.run, moment, (bone, vertex, pressure) => {
       const isSeen = kind === ON_BONES && pressure > LEAST_PRESSURE * mostPa;

@@ -174,7 +174,7 @@ class View {
 
   onPick(found) {
     if (found?.node !== undefined) this.mark(found.node);
-    else if (found) this.parts.readout.textContent = `This is the ${label(found.bone)}. Click on the muscle, or make the bones transparent.`;
+    else if (found) this.parts.readout.textContent = `This is the ${label(found.bone)}.${this.kind === ON_BONES ? "" : " Click on the muscle, or make the bones transparent."}`;
   }
 
   mark(node) {

@@ -88,6 +88,7 @@ def _run(backend: str, run: Run, shots: list[Snapshot], order: np.ndarray, most_
         "depths": {kind: _depths(column, shots, order, most_pa) for kind, column in (DEPTHS | PRESSURE).items()
                    if column in shots[0].mesh.extra and (kind in PRESSURE or run.record["case"].get("judged", True))},
         "arrows": [_arrows(run, shot.frame) for shot in shots],
+        "tells_bones": all(shot.bone_pressures_pa for shot in shots),
         "open_surface_frames": [shot.frame for shot in shots if not shot.surface_is_complete],
     }
 
