@@ -10,7 +10,7 @@ import pandas as pd
 
 from musclebench.options.shared import check_options
 from musclebench.options.stress import GUARANTEE, parse_arguments
-from musclebench.program.cli import run_command
+from musclebench.program.cli import Problem, run_command
 from musclebench.program.out_folder import claimed
 from musclebench.stress.trial import Trial, tried
 
@@ -65,6 +65,8 @@ def run_and_report(arguments) -> int:
     if sys.stderr.isatty():
         print("\r\x1b[K", end="", file=sys.stderr)
     print(f"{summary(trials)}\n{out / TABLE}")
+    if not any(trial.status for trial in trials):
+        raise Problem(f"no scene was run: {trials[0].detail}")
     return 1 if any(trial.is_finding for trial in trials) else 0
 
 

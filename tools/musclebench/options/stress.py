@@ -9,9 +9,10 @@ passes wholly between two frames is seen only if it leaves a room.
   tools/stress --seed 7 --only 413       one scene again; its folder stays
   tools/stress --effect tunnelling_guard
 
-A finding is a triangle that passes, a muscle that leaves its room, a run that diverges, takes longer than 300 s or crashes. Its
-folder stays in --out, with its scene file and its run. scenes.csv has a row a scene. You can stop the tool; what was tried
-stays in scenes.csv.
+A finding is a triangle that passes, a muscle that leaves its room, or a run that diverges, crashes, is refused or takes longer
+than 300 s. A muscle that a fast bone flings out of the scene is none. Nor is what comes between two bones that come together:
+there the program says that it cannot hold what it promises, and nothing counts from then on. The folder of a finding stays in
+--out, with its scene file and its run. scenes.csv has a row a scene. You can stop the tool; what was tried stays there.
 Exit codes: 0 nothing found, 1 a finding, 2 bad call.
 """
 
@@ -29,7 +30,7 @@ def parse_arguments(arguments: list[str] | None) -> argparse.Namespace:
     parser = OneLineParser(prog="tools/stress", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenes", type=int, default=100, metavar="N", help="how many (default: 100)")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="other scenes for another one (default: 1)")
-    parser.add_argument("--only", type=int, metavar="N", help="only the scene of this number, from 1 on; its folder stays")
+    parser.add_argument("--only", type=int, metavar="N", help="only the scene of this number, from 1 on; its folder stays (default: all)")
     effect = parser.add_mutually_exclusive_group()
     effect.add_argument("--effect", action="append", metavar="NAME",
                         help=f"effect that every scene has; may be repeated (default: {GUARANTEE})")

@@ -23,7 +23,7 @@ class Surface:
     name: str
     points: Points
     triangles: Corners
-    free: Corners  # triangles without an attached corner
+    attached: NDArray[np.bool_]  # of each triangle, whether a corner is
 
 
 @dataclass(frozen=True)
@@ -45,17 +45,17 @@ def shapes_of(run: Path, manifest: dict[str, Any]) -> Iterator[Shape]:
         if welded is None:
             welded = _welded(points, [muscle["vertices"] for muscle in manifest.get("muscles") or [manifest["muscle"]]])
         triangles = welded[triangles]
-        is_free = ~(np.asarray(kept.extra["attached"])[triangles] > 0).any(axis=1)
+        is_attached = (np.asarray(kept.extra["attached"])[triangles] > 0).any(axis=1)
         muscles, start = [], 0
         for muscle in manifest.get("muscles") or [manifest["muscle"]]:
             stop = start + muscle["vertices"]
             own = ((triangles >= start) & (triangles < stop)).all(axis=1)
-            muscles.append(Surface(muscle.get("name", MUSCLE), points, triangles[own], triangles[own & is_free]))
+            muscles.append(Surface(muscle.get("name", MUSCLE), points, triangles[own], is_attached[own]))
             start = stop
         bones = []
         for (name, mesh), pose in zip(meshes.items(), shot["bone_poses"]):
             posed = np.asarray(mesh.vertices_m, float) @ np.array(pose["rotation"]).reshape(3, 3).T + pose["translation_m"]
-            bones.append(Surface(name, posed, np.asarray(mesh.triangles), np.asarray(mesh.triangles)))
+            bones.append(Surface(name, posed, np.asarray(mesh.triangles), np.zeros(len(mesh.triangles), bool)))
         yield Shape(shot["frame"], muscles, bones)
 
 
@@ -70,9 +70,15 @@ def _welded(points: Points, counts: list[int]) -> NDArray[np.int64]:
     return first
 
 
-def counted(shape: Shape) -> dict[str, int]:
-    """Triangles of muscles that pass through bones (but those with an attached corner), other muscles and their own."""
-    found = {BONE: sum(passing(muscle.points, muscle.free, bone.points, bone.triangles) for muscle, bone in product(shape.muscles, shape.bones)),
+def counted(shape: Shape, carriers: dict[str, set[str]] | None = None) -> dict[str, int]:
+    """Triangles of muscles that pass through bones, other muscles and their own. `carriers`: the bones that each muscle is
+    attached to, whose triangles with an attached corner don't count; without it they count against no bone."""
+    def free(muscle: Surface, bone: Surface) -> Corners:
+        is_carrier = carriers is None or bone.name in carriers.get(muscle.name, set())
+        return muscle.triangles[~muscle.attached] if is_carrier else muscle.triangles
+
+    found = {BONE: sum(passing(muscle.points, free(muscle, bone), bone.points, bone.triangles)
+                       for muscle, bone in product(shape.muscles, shape.bones)),
              ITSELF: sum(passing(muscle.points, muscle.triangles, muscle.points, muscle.triangles) for muscle in shape.muscles)}
     if len(shape.muscles) > 1:
         found[MUSCLE] = sum(passing(one.points, one.triangles, other.points, other.triangles) for one, other in combinations(shape.muscles, 2))

@@ -34,10 +34,15 @@ class RandomScene:
     kind: str
     bones: list[Body]
     muscles: list[Body]
+    carriers: dict[str, set[str]]  # bones that carry nodes, by muscle
     attachments: list[str]  # TOML
     effects: list[str]  # TOML
     loop: str  # TOML
     half_room_m: float = 0.0  # to the outside of its wall; 0: no room
+
+    @property
+    def has_moving_bones(self) -> bool:
+        return any(bone.motion for bone in self.bones)
 
     @property
     def words(self) -> str:
@@ -69,10 +74,11 @@ def random_scene(seed: int, number: int) -> RandomScene:
     if kind == "sweep":
         _turn(bones, random)
     fastest = max(float(np.linalg.norm(muscle.velocity_m_per_s)) for muscle in muscles)
-    attachments = _attachments(bones, muscles, random)
+    carriers: dict[str, set[str]] = {}
+    attachments = _attachments(bones, muscles, carriers, random)
     if attachments and random.random() < 0.8:
         attachments.append("[effects.attachment]\n")
-    return RandomScene(number, kind, bones, muscles, attachments, _effects(random), _loop(fastest, random), outer_m)
+    return RandomScene(number, kind, bones, muscles, carriers, attachments, _effects(random), _loop(fastest, random), outer_m)
 
 
 def _add_body(bodies: list[Body], name: str, half_m: float, others: list[Body], random: np.random.Generator, cells: int) -> None:
@@ -115,13 +121,14 @@ def _turned(mesh: Mesh, axis: Points, centre_m: Points, angle_rad: float) -> Mes
     return mesh.placed(rotation, centre_m - rotation @ centre_m)
 
 
-def _attachments(bones: list[Body], muscles: list[Body], random: np.random.Generator) -> list[str]:
-    """Some hang on a bone by their nodes that are nearest to it."""
+def _attachments(bones: list[Body], muscles: list[Body], carriers: dict[str, set[str]], random: np.random.Generator) -> list[str]:
+    """Some hang on a bone by their nodes that are nearest to it; tells `carriers` so."""
     texts = []
     for muscle in muscles:
         if random.random() > 0.25:
             continue
         bone = bones[random.integers(len(bones))]
+        carriers[muscle.name] = {bone.name}
         away = np.linalg.norm(muscle.mesh.points[:, None] - bone.mesh.points[None], axis=2).min(axis=1)
         nodes = muscle.mesh.points[np.argsort(away, kind="stable")[:max(3, len(away) // 8)]]
         texts.append(f"[[attachment]]\nname = \"hold_{muscle.name}\"\nmuscle = \"{muscle.name}\"\nbone = \"{bone.name}\"\nnear = \"points\"\n"

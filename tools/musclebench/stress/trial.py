@@ -18,7 +18,8 @@ TOLD = "told"  # by the program: what is prescribed came together
 FLEW_OFF = "flew off"  # what a fast bone flings may; the program ends such a run as diverged
 HELD = "held"
 DIVERGED = "diverged"
-FINDINGS = (PASSED, ESCAPED, CRASHED, TOO_LONG, DIVERGED)
+GAVE_UP = "gave up"  # although nothing that is prescribed moves
+FINDINGS = (PASSED, ESCAPED, CRASHED, TOO_LONG, DIVERGED, GAVE_UP, REFUSED)
 LEFT = "left the scene"  # in words of the program
 
 
@@ -56,7 +57,7 @@ def tried(program: Path, seed: int, number: int, out: Path, effects: list[str], 
         told.verdict = TOO_LONG
         return told
     record = out / "run" / "run.json"
-    if not record.is_file():
+    if done.returncode < 0 or not record.is_file():
         told.verdict = REFUSED if done.returncode == 2 else CRASHED
         told.detail = (done.stderr.strip().splitlines() or [f"exit code {done.returncode}"])[-1]
     else:
@@ -70,24 +71,29 @@ def _judge(scene: RandomScene, run: Path, told: Trial) -> None:
     manifest = json.loads((run / "run.json").read_text())
     told.status, told.detail = manifest["status"], str(manifest.get("status_detail") or "")
     gave_up = min((one["frame"] for one in manifest.get("gave_up", [])), default=FRAMES + 1)
+    is_gone = told.status == DIVERGED and LEFT in told.detail
     if told.status == DIVERGED:
-        told.verdict = FLEW_OFF if LEFT in told.detail else DIVERGED
-    at_end = told.verdict
+        told.verdict = (ESCAPED if scene.half_room_m else FLEW_OFF) if is_gone else DIVERGED
+    gave_up = manifest.get("gave_up", [])
+    if gave_up and not scene.has_moving_bones:
+        told.verdict, told.frame, told.detail = GAVE_UP, gave_up[0]["frame"], gave_up[0]["why"]
+        return
     try:
         for shape in shapes_of(run, manifest):
-            if shape.frame >= gave_up:
-                told.verdict, told.frame = TOLD, gave_up
+            if gave_up and shape.frame >= gave_up[0]["frame"]:
+                if told.verdict == HELD:
+                    told.verdict, told.frame, told.detail = TOLD, shape.frame, gave_up[0]["why"]
                 return
-            found = counted(shape)
-            if shape.frame == 0 and any(found.values()):
-                told.verdict = BEGINS_SO
-            elif any(found.values()):
-                told.verdict, told.detail = PASSED, ", ".join(f"{kind} {count}" for kind, count in found.items() if count)
+            found = counted(shape, scene.carriers)
+            if any(found.values()):
+                told.verdict = BEGINS_SO if shape.frame == 0 else PASSED
+                told.detail = ", ".join(f"{kind} {count}" for kind, count in found.items() if count)
             elif scene.half_room_m and _has_left(shape, scene.half_room_m):
                 told.verdict = ESCAPED
-            if told.verdict != at_end:
-                told.frame, told.triangles = shape.frame, sum(found.values())
-                return
+            else:
+                continue
+            told.frame, told.triangles = shape.frame, sum(found.values())
+            return
     except ResultProblem as problem:
         told.verdict, told.detail = CRASHED, str(problem)
 
