@@ -49,18 +49,19 @@ def _quick(group: CaseGroup) -> CaseGroup:
     return replace(group, configurations=configurations, replay_s=QUICK_REPLAY_SECONDS)
 
 
-def write_report(out_dir: Path, problems: list[str]) -> list[Path]:
-    """Why pictures in space are missing joins the problems."""
-    files = list(report.write_report(out_dir))
+def write_report(out_dir: Path, problems: list[str]) -> tuple[list[Path], bool]:
+    """And whether all pictures are new. Why those in space are missing joins the problems."""
+    files, is_drawn = list(report.write_report(out_dir)), True
     try:
         with left_out_without("the pictures in space"):
             files += draw_in_display("bone_pressure", out_dir, [])
     except Problem as problem:
+        is_drawn = False
         problems.append(str(problem))
     for path in files:
         if path.name == PRICE_LIST:
             print(f"\n{path.read_text().rstrip()}")
-    return files
+    return files, is_drawn
 
 
 def bundle_files(options, out_dir: Path, problems: list[str]) -> list[Path]:
@@ -72,6 +73,15 @@ def bundle_files(options, out_dir: Path, problems: list[str]) -> list[Path]:
         return []
 
 
+def finish(options, out_dir: Path, problems: list[str], measured: tuple[float, float] | None = None) -> int:
+    """`measured`: how long that took, and when it ended, in seconds."""
+    files, is_drawn = write_report(out_dir, problems)
+    files += [*page_of("accuracy", out_dir, options), *bundle_files(options, out_dir, problems)]
+    if measured:
+        print(f"\nMeasured in {duration(measured[0])}, drawn in {duration(time.monotonic() - measured[1])}.")
+    return end("accuracy", files, problems, out_dir if is_drawn else None)
+
+
 def measure_and_report(arguments) -> int:
     file = of_project("accuracy")
     options = parse_arguments(arguments, file)
@@ -80,8 +90,7 @@ def measure_and_report(arguments) -> int:
     if options.report_only:
         require_results(folders.out_dir)
         problems: list[str] = []
-        files = [*write_report(folders.out_dir, problems), *page_of("accuracy", folders.out_dir, options), *bundle_files(options, folders.out_dir, problems)]
-        return end("accuracy", files, problems, folders.out_dir)
+        return finish(options, folders.out_dir, problems)
     registry = read_registry(options.musclebench)
     sweep = sweep_of(asked(file, options, registry), options, registry, folders, QUICK_MUSCLE if options.quick else None)
     cases, limits = chosen(sweep, options.shard), limits_of(options)
@@ -90,9 +99,7 @@ def measure_and_report(arguments) -> int:
         return 0
     problems = sweep.run(cases, limits, options.keep_structures)
     measured = time.monotonic()
-    files = [*write_report(folders.out_dir, problems), *page_of("accuracy", folders.out_dir, options), *bundle_files(options, folders.out_dir, problems)]
-    print(f"\nMeasured in {duration(measured - started)}, drawn in {duration(time.monotonic() - measured)}.")
-    return end("accuracy", files, problems, folders.out_dir)
+    return finish(options, folders.out_dir, problems, (measured - started, measured))
 
 
 def main(arguments=None) -> int:

@@ -12,9 +12,9 @@ from ..figures import looks, style
 from ..figures.paper_figures import caption
 from ..figures.style import plt
 from ..pictures.rendering import BONE_COLOUR, Scene3d, View
-from ..pictures.surface_figures import choose_moments
 from ..pictures.surface_pictures import DEPTH_COLOURS, PICTURE_PIXELS
 from ..program.registry import saved_registry
+from ..results.ply import PlyMesh
 from ..results.run_folder import Run
 from ..results.snapshots import Snapshot, read_bones, read_snapshots
 from ..results.statistics import percentile
@@ -36,7 +36,8 @@ def draw_bone_pressures(out_dir: Path, say: Callable[[str], None]) -> list[Path]
     looks.know(saved_registry(out_dir))
     told = of_mode(aggregates_of(read_cases(out_dir)), "forces")
     errors = {key: error["map_percent"] for key, error in force_errors(told, []).items()}
-    rows = {scene: shown for scene in dict.fromkeys(one.scene for one in told) if (shown := _chosen(told, errors, scene))}
+    rows = {scene: shown for scene in dict.fromkeys(one.scene for one in told)
+            if (shown := _chosen(told, errors, scene)) and _shots([_run_of(one) for one in shown])}
     if not rows:
         return []
     style.apply_style()
@@ -50,7 +51,7 @@ def draw_bone_pressures(out_dir: Path, say: Callable[[str], None]) -> list[Path]
         for panel in row:
             panel.set_axis_off()
         say(f"pressure on bones, {style.muscle_label(shown[0].muscle)}")
-        pictures, most_pa = _pictures([_run_of(one) for one in shown])
+        pictures, most_pa = _pictures(read_bones(_run_of(shown[0])), _shots([_run_of(one) for one in shown]))
         for panel, one, picture in zip(row, shown, pictures):
             runs.append(_run_of(one))
             off = errors[(scene, one.configuration)]
@@ -86,10 +87,8 @@ def _run_of(one: Aggregate) -> Run:
     return next(case.run for case in one.ok if len(case.run.forces))
 
 
-def _pictures(runs: list[Run]) -> tuple[list[npt.NDArray[np.uint8]], float]:
-    """Of all runs alike, and the pressure at the end of their scale, which is the first run's."""
-    bones = read_bones(runs[0])
-    shots = [_farthest(run) for run in runs]
+def _pictures(bones: dict[str, PlyMesh], shots: list[Snapshot]) -> tuple[list[npt.NDArray[np.uint8]], float]:
+    """Of all alike, and the pressure at the end of their scale, which is that of the first."""
     exact = shots[0]
     bone = max(exact.bone_pressures_pa, key=lambda name: float(exact.bone_pressures_pa[name].sum()))
     pressed_pa = exact.bone_pressures_pa[bone]
@@ -108,10 +107,16 @@ def _pictures(runs: list[Run]) -> tuple[list[npt.NDArray[np.uint8]], float]:
     return pictures, most_pa
 
 
-def _farthest(run: Run) -> Snapshot:
-    moments = choose_moments([shot for shot in read_snapshots(run) if shot.bone_pressures_pa])
-    assert moments is not None  # its map has an error
-    return moments.full
+def _shots(runs: list[Run]) -> list[Snapshot]:
+    """Of each run the moment, among those in which the first one presses, that is farthest from rest."""
+    kept = [{shot.frame: shot for shot in read_snapshots(run)} for run in runs]
+    pressed = [shot for shot in kept[0].values() if any(values.any() for values in shot.bone_pressures_pa.values())
+               and all(shot.frame in other for other in kept)]
+    rest = min(kept[0].values(), key=lambda shot: shot.frame)
+    if not pressed:
+        return []
+    farthest = max(pressed, key=lambda shot: (abs(shot.angle_deg - rest.angle_deg), shot.frame))
+    return [shots[farthest.frame] for shots in kept]
 
 
 def _view(vertices_m: Numbers, triangles: npt.NDArray[np.int64], pressed_pa: Numbers, pose: tuple[Numbers, Numbers]) -> View:
@@ -121,7 +126,7 @@ def _view(vertices_m: Numbers, triangles: npt.NDArray[np.int64], pressed_pa: Num
     corners = posed_m[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     eye = (normals * pressed_pa[triangles].mean(axis=1)[:, None]).sum(axis=0)
-    eye /= np.linalg.norm(eye)
+    eye = eye / np.linalg.norm(eye) if np.linalg.norm(eye) > 0 else np.array([0.0, 0.0, 1.0])
     pressed_m = posed_m[pressed_pa > 0]
     up = np.eye(3)[np.abs(eye).argmin()]
     up = up - eye * (up @ eye)

@@ -32,7 +32,14 @@ def force_differences(run: Run, reference: Run) -> dict[str, float]:
 def _maps_off_percent(run: Run, reference: Run) -> float:
     """NaN where one of both tells none: its contacts have no forces."""
     is_told = all("bone_pressure" in entry for one in (run, reference) for entry in one.record.get("snapshots", []))
-    return maps_off_percent(bone_pressures(run), bone_pressures(reference)) if is_told else float("nan")
+    if not is_told:
+        return float("nan")
+    kept = [{entry["frame"] for entry in one.record.get("snapshots", [])} for one in (run, reference)]
+    return maps_off_percent(*(_at(kept[0] & kept[1], bone_pressures(one)) for one in (run, reference)))
+
+
+def _at(frames: set[int], pressures: pd.DataFrame) -> pd.DataFrame:
+    return pressures[pressures.index.get_level_values("frame").isin(frames)]
 
 
 def bone_pressures(run: Run) -> pd.DataFrame:
@@ -45,9 +52,8 @@ def bone_pressures(run: Run) -> pd.DataFrame:
 
 
 def maps_off_percent(ours: pd.DataFrame, theirs: pd.DataFrame) -> float:
-    """Over the area. What one of both does not press has no pressure there."""
-    frames = set(theirs.index.get_level_values("frame"))
-    both = ours[ours.index.get_level_values("frame").isin(frames)].join(theirs, how="outer", lsuffix="_ours")
+    """Over the area, at the same moments. What one of both does not press has no pressure there."""
+    both = ours.join(theirs, how="outer", lsuffix="_ours")
     area_m2 = both[["area_m2", "area_m2_ours"]].max(axis=1)
     exact_pa = both["pressure_pa"].fillna(0)
     size = float((area_m2 * exact_pa**2).sum())
