@@ -17,13 +17,13 @@ namespace {
 /// What an effect is to be on every mesh: a closed tube, 0.2 m long, that hangs by its upper end under its weight and
 /// becomes a third longer.
 constexpr double length_m = 0.2;
-constexpr double radius_m = 0.02;
+constexpr double tube_radius_m = 0.02;
 
 /// Rings of `around` vertices, each turned by half a step against the one above. Every mesh has the cross-section of
 /// the round tube, so that all weigh the same.
 TriangleMesh tube(int around, int rings) {
   constexpr double turn = 2 * std::numbers::pi;
-  const double corner_m = radius_m * std::sqrt(turn / around / std::sin(turn / around));
+  const double corner_m = tube_radius_m * std::sqrt(turn / around / std::sin(turn / around));
   TriangleMesh mesh;
   for (int ring = 0; ring < rings; ++ring) {
     for (int i = 0; i < around; ++i) {
