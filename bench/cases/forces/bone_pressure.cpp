@@ -18,8 +18,8 @@ using Corners = std::array<Vec3, 3>;
 
 /// Samples of the bone are this many times as fine as the edges of the muscle.
 constexpr double samples_per_edge = 2;
-/// And no finer: the edges of a muscle that has collapsed may be 0.
-constexpr double finest_m = 1e-7;
+/// And no finer than this share of a bone's triangle: the edges of a muscle that has collapsed may be 0, or nearly.
+constexpr double finest_share = 1e-6;
 /// So far beside the muscle, in its edges, or beneath what is round between its nodes, a bone is still under it.
 constexpr double edges_away = 0.5;
 /// A node that has flown off since it was pushed does not reach for the bone from afar.
@@ -81,7 +81,8 @@ class PressedPatch {
 
   /// Appends the samples of a bone's triangle that lie under the patch.
   void sample(const Triangle& vertices, const Corners& whole, std::vector<Sample>& samples) const {
-    sample_part(vertices, whole, whole, samples);
+    const double edge_m = std::max(m_edge_m / samples_per_edge, finest_share * longest_edge_m(whole));
+    sample_part(vertices, whole, whole, edge_m, samples);
   }
 
  private:
@@ -96,7 +97,7 @@ class PressedPatch {
   }
 
   /// By halves along the longest edge, so that a long thin triangle has no more samples than its length needs.
-  void sample_part(const Triangle& vertices, const Corners& whole, const Corners& part,
+  void sample_part(const Triangle& vertices, const Corners& whole, const Corners& part, double edge_m,
                    std::vector<Sample>& samples) const {
     const Vec3 centre = (part[0] + part[1] + part[2]) / 3;
     double radius_m = 0;
@@ -106,14 +107,14 @@ class PressedPatch {
     std::array<double, 3> edges_m{};
     for (std::size_t k = 0; k < 3; ++k) edges_m[k] = (part[(k + 1) % 3] - part[k]).norm();
     const auto longest = static_cast<std::size_t>(std::ranges::max_element(edges_m) - edges_m.begin());
-    if (edges_m[longest] > std::max(m_edge_m, finest_m) / samples_per_edge) {
+    if (edges_m[longest] > edge_m) {
       const Vec3 middle = (part[longest] + part[(longest + 1) % 3]) / 2;
       Corners one = part;
       Corners other = part;
       one[longest] = middle;
       other[(longest + 1) % 3] = middle;
-      sample_part(vertices, whole, one, samples);
-      sample_part(vertices, whole, other, samples);
+      sample_part(vertices, whole, one, edge_m, samples);
+      sample_part(vertices, whole, other, edge_m, samples);
       return;
     }
     const auto triangle = static_cast<std::size_t>(closest->triangle);
