@@ -49,19 +49,12 @@ def _quick(group: CaseGroup) -> CaseGroup:
     return replace(group, configurations=configurations, replay_s=QUICK_REPLAY_SECONDS)
 
 
-def write_report(out_dir: Path, problems: list[str]) -> tuple[list[Path], bool]:
-    """And whether all pictures are new. Why those in space are missing joins the problems."""
-    files, is_drawn = list(report.write_report(out_dir)), True
-    try:
-        with left_out_without("the pictures in space"):
-            files += draw_in_display("bone_pressure", out_dir, [])
-    except Problem as problem:
-        is_drawn = False
-        problems.append(str(problem))
+def write_report(out_dir: Path) -> list[Path]:
+    files = list(report.write_report(out_dir))
     for path in files:
         if path.name == PRICE_LIST:
             print(f"\n{path.read_text().rstrip()}")
-    return files, is_drawn
+    return files
 
 
 def bundle_files(options, out_dir: Path, problems: list[str]) -> list[Path]:
@@ -75,7 +68,13 @@ def bundle_files(options, out_dir: Path, problems: list[str]) -> list[Path]:
 
 def finish(options, out_dir: Path, problems: list[str], measured: tuple[float, float] | None = None) -> int:
     """`measured`: how long that took, and when it ended, in seconds."""
-    files, is_drawn = write_report(out_dir, problems)
+    files, is_drawn = write_report(out_dir), True
+    try:
+        with left_out_without("the pictures in space"):
+            files += draw_in_display("bone_pressure", out_dir, [])
+    except Problem as problem:
+        is_drawn = False  # those of before stay
+        problems.append(str(problem))
     files += [*page_of("accuracy", out_dir, options), *bundle_files(options, out_dir, problems)]
     if measured:
         print(f"\nMeasured in {duration(measured[0])}, drawn in {duration(time.monotonic() - measured[1])}.")

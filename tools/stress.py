@@ -8,21 +8,23 @@ from pathlib import Path
 
 import pandas as pd
 
+from musclebench.experiments.selection import check_backend, usual_backend
 from musclebench.options.shared import check_options
 from musclebench.options.stress import GUARANTEE, parse_arguments
 from musclebench.program.cli import Problem, run_command
 from musclebench.program.out_folder import claimed
+from musclebench.program.registry import read_registry
 from musclebench.stress.trial import Trial, tried
 
 TABLE = "scenes.csv"
 
 
-def run_all(options, out: Path) -> list[Trial]:
+def run_all(options, out: Path, backend: str) -> list[Trial]:
     numbers = [options.only] if options.only else list(range(1, options.scenes + 1))
     effects = [] if options.no_effect else options.effect or [GUARANTEE]
     trials: list[Trial] = []
     with ProcessPoolExecutor(options.jobs) as pool:
-        waiting = [pool.submit(tried, options.musclebench, options.seed, number, out / f"{number:05d}", effects, options.backend,
+        waiting = [pool.submit(tried, options.musclebench, options.seed, number, out / f"{number:05d}", effects, backend,
                                options.only is not None) for number in numbers]
         try:
             for done in as_completed(waiting):
@@ -59,9 +61,10 @@ def summary(trials: list[Trial]) -> str:
 def run_and_report(arguments) -> int:
     options = parse_arguments(arguments)
     check_options(options, "stress")
-    out = options.out.absolute()
+    registry, out = read_registry(options.musclebench), options.out.absolute()
+    backend = check_backend(options.backend, registry) if options.backend else usual_backend(registry).name
     with claimed(out):
-        trials = run_all(options, out)
+        trials = run_all(options, out, backend)
     if sys.stderr.isatty():
         print("\r\x1b[K", end="", file=sys.stderr)
     print(f"{summary(trials)}\n{out / TABLE}")

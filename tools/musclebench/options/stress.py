@@ -35,7 +35,7 @@ def parse_arguments(arguments: list[str] | None) -> argparse.Namespace:
     effect.add_argument("--effect", action="append", metavar="NAME",
                         help=f"effect that every scene has; may be repeated (default: {GUARANTEE})")
     effect.add_argument("--no-effect", action="store_true", help="only the effects that scenes choose at random")
-    parser.add_argument("--backend", default="bvh", metavar="NAME", help="collision backend (default: bvh)")
+    parser.add_argument("--backend", metavar="NAME", help="collision backend (default: an exact one)")
     parser.add_argument("--jobs", type=int, default=2, metavar="N", help="scenes that run at the same time (default: 2)")
     parser.add_argument("--out", type=Path, metavar="DIR", default=PROJECT / "reports" / "out" / "stress",
                         help="folder of results (default: reports/out/stress)")
