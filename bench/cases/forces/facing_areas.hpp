@@ -2,9 +2,9 @@
 
 #include <cstddef>
 #include <span>
-#include <vector>
 
 #include "core/mesh/triangle_mesh.hpp"
+#include "core/mesh/triangles_at_vertices.hpp"
 
 namespace musclebench {
 
@@ -19,10 +19,8 @@ class FacingAreas {
   [[nodiscard]] double about_m2(int vertex, const Vec3& push, std::span<const Vec3> positions_m) const;
 
  private:
-  std::span<const Triangle> m_all;
-  /// The triangles about a vertex are those from `m_first[vertex]` on in `m_triangles`.
-  std::vector<std::size_t> m_first;
-  std::vector<std::size_t> m_triangles;
+  std::span<const Triangle> m_triangles;
+  TrianglesAtVertices m_around;
 };
 
 }  // namespace musclebench

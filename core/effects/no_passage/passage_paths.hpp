@@ -14,6 +14,7 @@
 #include "core/effects/no_passage/passage_surfaces.hpp"
 #include "core/mesh/body.hpp"
 #include "core/mesh/bound_node.hpp"
+#include "core/mesh/triangles_at_vertices.hpp"
 
 namespace musclebench {
 

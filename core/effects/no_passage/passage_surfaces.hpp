@@ -47,27 +47,6 @@ struct OwnedFeatures {
   std::vector<OfTriangle> of;
 };
 
-/// Which triangles a vertex is of.
-class TrianglesAtVertices {
- public:
-  TrianglesAtVertices(std::span<const Triangle> triangles, std::size_t vertices);
-
-  /// Unit normal by area of the triangles at a vertex, or 0. `at`: of all vertices.
-  [[nodiscard]] Vec3 normal(int vertex, std::span<const Triangle> triangles, std::span<const Vec3> at) const;
-  /// The most that the unit normal of such a triangle has along `direction`; -1 without any. With `other` of triangles
-  /// that have this vertex, too: those of an edge.
-  [[nodiscard]] double most_facing(int vertex, int other, std::span<const Triangle> triangles, std::span<const Vec3> at,
-                                   const Vec3& direction) const;
-
- private:
-  template <typename Visit>
-  void for_each_normal(int vertex, std::span<const Triangle> triangles, std::span<const Vec3> at,
-                       const Visit& visit) const;
-
-  std::vector<std::size_t> m_first;  ///< by vertex, and one past the last
-  std::vector<std::size_t> m_triangles;
-};
-
 /// Of one mesh.
 inline bool share_a_vertex(const Triangle& one, const Triangle& other) {
   return std::ranges::any_of(one, [&](int vertex) { return std::ranges::find(other, vertex) != other.end(); });
