@@ -37,7 +37,7 @@ ARM_ERROR_KEYS = ("muscle", "configuration", "time_ms", "arm_rms_mm", "arm_max_m
 MOMENT_ARM_KEYS = ("muscle", "angle_deg", "mean_mm", "active_mm", "torque_mm", "others_percent", "published_mm", "lower_mm", "upper_mm",
                    "measured_mm", "active_holds")
 FORCE_ERROR_KEYS = ("muscle", "configuration", "time_ms", "torque_percent", "torque_floor_percent", "contact_percent", "pressure_percent",
-                    "pressure_floor_percent")
+                    "pressure_floor_percent", "map_percent", "map_floor_percent")
 FACTOR_KEYS = ("muscle", "choice", "time_ms", "factor", "ratio", "missed", "true", "p99_offset_mm")
 DIFFICULTY_KEYS = ("muscle", *difficulties.SHOWN)
 OUTCOME_KEYS = ("muscle", "configuration", "node_depth_mm", "p99_surface_depth_mm", "max_volume_percent",
