@@ -21,7 +21,10 @@ PACKAGES = {"Eigen/": "Eigen3::Eigen", "hwy/": "hwy::hwy", "assimp/": "assimp::a
             "zstd.h": "zstd::libzstd_shared", "openssl/": "OpenSSL::Crypto", "benchmark/": "benchmark::benchmark",
             "embree3/": "embree"}
 EVERYWHERE = {"musclebench_settings"}
-DECLARATION = re.compile(r"(musclebench_library|musclebench_backend|musclebench_test|add_executable)\(\s*(\w+)([^()]*(?:\([^()]*\)[^()]*)*)\)")
+# Whose sources an effect's folder has.
+OF_EFFECTS = {"SOURCES": "musclebench_effects", "CHECKS": "musclebench_scene_check", "TESTS": "musclebench_effects_tests"}
+DECLARATION = re.compile(r"(musclebench_library|musclebench_effect|musclebench_backend|musclebench_test|add_executable)"
+                         r"\(\s*(\w+)([^()]*(?:\([^()]*\)[^()]*)*)\)")
 LINKING = re.compile(r"target_link_libraries\(\s*(\w+)\s+(PUBLIC|PRIVATE)([^()]*)\)")
 INCLUDE = re.compile(r'^\s*#\s*include\s+["<]([^">]+)[">]', re.MULTILINE)
 
@@ -44,9 +47,13 @@ def words(text: str) -> list[str]:
 
 def read_targets(root: Path) -> dict[str, Target]:
     targets: dict[str, Target] = {}
+    of_effects: list[tuple[Path, str]] = []
     lists = [path for room in ROOMS for path in sorted((root / room).rglob("CMakeLists.txt"))]
     for path in lists:
         for kind, name, body in DECLARATION.findall(path.read_text()):
+            if kind == "musclebench_effect":
+                of_effects += [(path.parent, body)]
+                continue
             name = f"musclebench_backend_{name}" if kind == "musclebench_backend" else name
             target = Target(name, path.parent, kind in ("musclebench_library", "musclebench_backend"))
             key = "SOURCES"
@@ -58,6 +65,13 @@ def read_targets(root: Path) -> dict[str, Target]:
                 else:
                     (target.shown if key == "DEPENDS" else target.hidden).add(word)
             targets[name] = target
+    for folder, body in of_effects:
+        key = ""
+        for word in words(body):
+            if word in OF_EFFECTS:
+                key = OF_EFFECTS[word]
+            elif key in targets:
+                targets[key].sources.append(str(folder / word))
     for path in lists:
         for name, visibility, body in LINKING.findall(path.read_text()):
             if name in targets:

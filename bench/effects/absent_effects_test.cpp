@@ -31,15 +31,12 @@ std::string others(const std::string& effect) {
   return fmt::format("{}", fmt::join(names, " "));
 }
 
-/// Whether the function that makes the effect is in the program. Debug information names more than that.
+/// Whether the function that tells of the effect is in the program. Debug information names more than that.
 bool has_code_of(const std::string& program, const std::string& effect) {
   const Answer symbols = call("nm --defined-only " + program);
   EXPECT_EQ(symbols.exit_code, 0) << symbols.text;
-  const auto has = [&](const std::string& function) {
-    return symbols.text.find(fmt::format("{}{}E", function.size(), function)) !=
-           std::string::npos;  // mangled by length
-  };
-  return has("make_" + effect) || has("set_" + effect);
+  const std::string entry = effect + "_entry";
+  return symbols.text.find(fmt::format("{}{}E", entry.size(), entry)) != std::string::npos;  // mangled by length
 }
 
 class AbsentEffect : public testing::TestWithParam<std::string> {};

@@ -12,7 +12,7 @@
 #include "bench/hard/courses.hpp"
 #include "bench/hard/loaded_scene.hpp"
 #include "bench/hard/run_figures.hpp"
-#include "core/effects/local_volume.hpp"
+#include "core/effects/local_volume/local_volume.hpp"
 
 // Effects under load, against the formula of each or a run that moves slowly.
 namespace musclebench {

@@ -59,7 +59,7 @@ struct EffectEntry {
   std::string name;
   std::string help;
   std::vector<ParameterSpec> parameters;
-  std::function<std::unique_ptr<Effect>(const EffectInput&, const Parameters&)> make;
+  std::function<std::unique_ptr<Effect>(const EffectInput&, const Parameters&)> make = {};
   std::function<std::unique_ptr<ContactStage>(const StageInput&, const Parameters&)> make_stage = {};  ///< or this
   std::function<void(Response&, const Parameters&)> set_response = {};                                 ///< or this
   /// With one of these: what it makes of contacts that other stages find.
@@ -68,7 +68,17 @@ struct EffectEntry {
   bool needs_projection = false;  ///< the response that moves nodes by their depths
   /// What it helps a run to hold. None: it is a part of what a scene asks about, such as a load, and no trial adds it.
   std::vector<Remedy> remedies = {};
+  std::vector<std::string> inert_at_zero = {};  ///< parameters: where one of them is 0, it changes nothing
 };
+
+/// The folder of an effect and what it gives.
+struct EffectSource {
+  std::string_view name;
+  EffectEntry (*entry)();
+};
+
+/// Of the effects that a program is built with, as CMake lists them (core/effects/CMakeLists.txt).
+std::span<const EffectSource> effect_table();
 
 /// All effects, in the order in which a solver iteration applies them; contact stages come last.
 const std::vector<EffectEntry>& effect_registry();

@@ -1,5 +1,3 @@
-#include "core/effects/no_passage/no_passage.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -13,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "core/contact/contact_rows.hpp"
+#include "core/effects/effect_registry.hpp"
 #include "core/effects/no_passage/joined_sets.hpp"
 #include "core/effects/no_passage/left_out.hpp"
 #include "core/effects/no_passage/passage_overlaps.hpp"
@@ -469,8 +468,6 @@ class NoPassage final : public ContactStage {
   std::string m_gave_up;
 };
 
-}  // namespace
-
 std::unique_ptr<ContactStage> make_no_passage(const StageInput& input, const Parameters& parameters) {
   return std::make_unique<NoPassage>(input, parameters.number("gap_m"), static_cast<int>(parameters.integer("rounds")),
                                      parameters.flag("itself"));
@@ -492,6 +489,37 @@ std::vector<ParameterSpec> no_passage_parameters() {
               {.name = "itself",
                .default_value = true,
                .help = "keeps each muscle apart from itself, too: most of the cost where little else is near"})};
+}
+
+}  // namespace
+
+/// Lets no node, edge or face of a muscle pass through a bone, another muscle or the muscle itself, at any speed: what
+/// does not intersect when a substep begins does not intersect when it ends.
+///
+/// After everything else has moved the nodes, each pair of features whose paths come close is followed by additive
+/// conservative advancement (`safe_share`), against a bone in the bone's frame. Pairs that would come too close become
+/// rows of ContactRowSolver, with the normal that they have just before they touch, and the new paths are followed in
+/// turn. What rows don't settle is joined to zones, which move as a whole: with the bone that they touch, or by their
+/// mean displacement (rigid impact zones: Provot 1997, "Collision and self-collision handling in cloth model dedicated
+/// to design garments"; Bridson, Fedkiw and Anderson 2002). Nothing in a zone moves against anything else in it, and
+/// zones only grow, so that this ends.
+///
+/// What a step has to look at, `NearPairs` tells from the distances that earlier steps measured.
+///
+/// Left out, as no choice of positions can prevent them: faces of which a node is bound to the bone, and features that
+/// only bones move. What intersects a collider as the run begins, or lies inside it, is left out until it is free of it
+/// (`LeftOut`). Where bones close on a zone from two sides, it follows the first of them.
+EffectEntry no_passage_entry() {
+  return {.name = "no_passage",
+          .help = "no node, edge or face passes through a bone, another muscle or its own muscle",
+          .parameters = no_passage_parameters(),
+
+          .make_stage = make_no_passage,
+          .remedies = {{Requirement::bone_passage},
+                       {Requirement::muscle_passage},
+                       {Requirement::self_passage},
+                       {Requirement::bone_depth},
+                       {Requirement::muscle_depth}}};
 }
 
 }  // namespace musclebench

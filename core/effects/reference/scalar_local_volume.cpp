@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/effects/local_volume.hpp"
+#include "core/effects/local_volume/local_volume.hpp"
 #include "core/mesh/mesh_edges.hpp"
 #include "core/mesh/surface_volume.hpp"
 

@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "core/effects/bending.hpp"
-#include "core/effects/edge_length.hpp"
+#include "core/effects/bending/bending.hpp"
+#include "core/effects/edge_length/edge_length.hpp"
 #include "core/effects/tests/effects_fixture.hpp"
 #include "core/mesh/shapes.hpp"
 
@@ -55,8 +55,8 @@ TEST(FixedNodes, HaveNoConstraintsAmongEachOther) {
   Fixture free(ball);
   Fixture bound(ball, {}, bound_caps(ball));
   const auto input = [](Fixture& f) { return EffectInput{f.mesh, f.bodies, f.order, f.fibres, f.bound, f.poses}; };
-  const Parameters of_edges(edge_length_parameters(), {}, "test");
-  const Parameters of_bending(bending_parameters(), {}, "test");
+  const Parameters of_edges(find_effect("edge_length")->parameters, {}, "test");
+  const Parameters of_bending(find_effect("bending")->parameters, {}, "test");
   const FixedNodes fixed(input(bound));
   std::size_t edges = 0;
   for (const LengthConstraint& each : edge_length_constraints(input(free), of_edges)) {
@@ -78,7 +78,7 @@ TEST(Bending, ConstrainsEveryEdgeWhateverItsTriangles) {
                              {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {1, 0, 5}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}}};
   Fixture f(mesh);
   std::set<std::pair<int, int>> edges;
-  const Parameters parameters(bending_parameters(), {}, "test");
+  const Parameters parameters(find_effect("bending")->parameters, {}, "test");
   for (const AngleConstraint& each :
        bending_constraints({f.mesh, f.bodies, f.order, f.fibres, f.bound, f.poses}, parameters)) {
     edges.insert(std::minmax(each.nodes[0], each.nodes[1]));

@@ -1,5 +1,11 @@
 #include "core/scene/check/scene_check.hpp"
 
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "core/base/percentile.hpp"
+#include "core/scene/check/effect_checks.hpp"
 #include "core/scene/scene_warnings.hpp"
 #include "core/signed_distance/signed_surface.hpp"
 
@@ -18,6 +24,13 @@ const std::vector<double>& CheckContext::thickness_m() {
 const std::vector<BoneNearness>& CheckContext::nearness() {
   if (!m_nearness) m_nearness = bone_nearness(scene, poses(), thickness_m());
   return *m_nearness;
+}
+
+std::optional<double> CheckContext::usual_thickness_m() {
+  std::vector<double> known;
+  std::ranges::copy_if(thickness_m(), std::back_inserter(known), [](double thickness) { return thickness > 0; });
+  if (known.empty()) return std::nullopt;
+  return percentile(std::move(known), 0.25);
 }
 
 std::size_t CheckContext::free_node_count() { return scene.muscle_mesh.vertices.size() - scene.bound_nodes().size(); }
@@ -41,8 +54,13 @@ std::string place_of(const Scene& scene, const std::string& where) {
 
 Findings check_scene(const Scene& scene, const CheckOptions& options) {
   CheckContext context(scene, options);
-  std::vector<SceneRule> rules = effect_rules();
-  if (!options.only_quick) rules.insert(rules.end(), geometry_rules().begin(), geometry_rules().end());
+  std::vector<SceneRule> rules = general_rules();
+  for (const EffectChecksSource& source : effect_checks_table()) {
+    const std::vector<SceneRule>& own = find_checks(source.effect)->rules;
+    rules.insert(rules.end(), own.begin(), own.end());
+  }
+  std::stable_partition(rules.begin(), rules.end(), [](const SceneRule& rule) { return !rule.needs_geometry; });
+  if (options.only_quick) std::erase_if(rules, [](const SceneRule& rule) { return rule.needs_geometry; });
   Findings findings;
   int done = 0;
   for (const SceneRule& rule : rules) {

@@ -38,6 +38,8 @@ class CheckContext {
   [[nodiscard]] const PoseEstimates& poses();
   [[nodiscard]] const std::vector<BoneNearness>& nearness();  ///< by bone
   [[nodiscard]] const std::vector<double>& thickness_m();     ///< by node (node_thicknesses_m)
+  /// That three quarters of the nodes exceed, m; nothing where no thickness can be told.
+  [[nodiscard]] std::optional<double> usual_thickness_m();
   [[nodiscard]] std::size_t free_node_count();
 
  private:
@@ -51,13 +53,12 @@ using Findings = std::vector<Finding>;
 /// A rule: what it looks for, and a function that appends what it finds.
 struct SceneRule {
   std::string id;
-  void (*look)(CheckContext& context, Findings& findings);
+  std::function<void(CheckContext& context, Findings& findings)> look;
+  bool needs_geometry = false;  ///< how bones and muscles lie and move: that takes a while
 };
 
-/// Rules about what effects and parameters say.
-const std::vector<SceneRule>& effect_rules();
-/// Rules about how bones and muscles lie and move.
-const std::vector<SceneRule>& geometry_rules();
+/// Rules about no effect of its own; each effect has others (EffectChecks).
+const std::vector<SceneRule>& general_rules();
 
 /// What the scene names and can't act, what contradicts itself, and what the scene calls for and lacks. All figures
 /// come from geometry: nothing is simulated.

@@ -1,5 +1,3 @@
-#include "core/effects/no_passage/no_passage.hpp"
-
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -11,6 +9,7 @@
 
 #include "core/base/parameters.hpp"
 #include "core/contact/bone.hpp"
+#include "core/effects/effect_registry.hpp"
 #include "core/mesh/shapes.hpp"
 
 namespace musclebench {
@@ -81,15 +80,16 @@ class NoPassageTest : public testing::Test {
   }
 
   [[nodiscard]] std::unique_ptr<ContactStage> stage(int threads = 1, bool with_itself = true) const {
-    return make_no_passage({.bones = m_bones,
-                            .nodes = m_mesh.vertices.size(),
-                            .triangles = m_mesh.triangles,
-                            .inverse_masses = m_masses,
-                            .bound_nodes = m_bound,
-                            .threads = threads,
-                            .mesh = &m_mesh,
-                            .bodies = m_bodies},
-                           Parameters(no_passage_parameters(), {{"gap_m", 1e-3}, {"itself", with_itself}}, "test"));
+    const EffectEntry* entry = find_effect("no_passage");
+    return entry->make_stage({.bones = m_bones,
+                              .nodes = m_mesh.vertices.size(),
+                              .triangles = m_mesh.triangles,
+                              .inverse_masses = m_masses,
+                              .bound_nodes = m_bound,
+                              .threads = threads,
+                              .mesh = &m_mesh,
+                              .bodies = m_bodies},
+                             Parameters(entry->parameters, {{"gap_m", 1e-3}, {"itself", with_itself}}, "test"));
   }
 
   /// Muscles and the bone in one mesh.

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "core/base/input_error.hpp"
+#include "core/scene/check/effect_checks.hpp"
 #include "core/scene/check/tests/check_fixture.hpp"
 
 namespace musclebench {
@@ -338,8 +339,12 @@ TEST(EffectRules, FindAttachmentsWhoseNodesAreClaimed) {
 
 TEST(SceneRules, HaveIdsOfTheirOwn) {
   std::set<std::string> ids;
-  for (const auto* rules : {&effect_rules(), &geometry_rules()}) {
-    for (const SceneRule& rule : *rules) EXPECT_TRUE(ids.insert(rule.id).second) << rule.id;
+  for (const SceneRule& rule : general_rules()) ids.insert(rule.id);
+  EXPECT_EQ(ids.size(), general_rules().size());
+  for (const EffectChecksSource& source : effect_checks_table()) {
+    std::set<std::string> own;
+    for (const SceneRule& rule : find_checks(source.effect)->rules) own.insert(rule.id);
+    EXPECT_EQ(own.size(), find_checks(source.effect)->rules.size()) << source.effect;
   }
 }
 

@@ -260,7 +260,9 @@ TEST(GeometryRules, FindCellsLargerThanTheGap) {
     if (finding == nullptr) return std::string("nothing");
     EXPECT_NEAR(figure_of(*finding, "rest_gap_m"), 0.0005, 1e-5);
     EXPECT_NE(finding->what.find("--param cells="), std::string::npos);
-    return finding->add.empty() ? std::string("finer cells") : finding->add.front();
+    const Finding* margin = find_finding(findings, "margin", "bone 'plate'");
+    EXPECT_FALSE(margin != nullptr && margin->effect) << "nothing adds it unasked";
+    return margin == nullptr ? std::string("finer cells") : margin->add.front();
   };
   EXPECT_EQ(finds(0, false), "nothing");
   EXPECT_EQ(finds(0.0004, false), "nothing");
@@ -292,6 +294,7 @@ TEST(GeometryRules, FindContactThatCanNotBe) {
   };
   EXPECT_TRUE(out_of_reach("far", "[effects.friction]\n"));
   EXPECT_FALSE(out_of_reach("far", "[effects.friction]\n[effects.gravity]\n"));
+  EXPECT_FALSE(out_of_reach("far", "[effects.friction]\n[effects.self_contact]\n"));
   EXPECT_FALSE(out_of_reach("ball", "[effects.friction]\n"));
   EXPECT_FALSE(out_of_reach("far", ""));
 }
