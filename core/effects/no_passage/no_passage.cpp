@@ -12,10 +12,10 @@
 
 #include "core/contact/contact_rows.hpp"
 #include "core/effects/effect_registry.hpp"
-#include "core/effects/no_passage/joined_sets.hpp"
 #include "core/effects/no_passage/left_out.hpp"
 #include "core/effects/no_passage/passage_overlaps.hpp"
 #include "core/effects/no_passage/passage_paths.hpp"
+#include "core/effects/no_passage/passage_zones.hpp"
 #include "core/effects/no_passage/triangle_axes.hpp"
 
 namespace musclebench {
@@ -59,7 +59,8 @@ class NoPassage final : public ContactStage {
         m_rounds(rounds),
         m_inverse_masses(input.inverse_masses.begin(), input.inverse_masses.end()),
         m_solver(m_inverse_masses, input.contacts.friction_coefficient),
-        m_is_moved(input.nodes, 1) {}
+        m_is_moved(input.nodes, 1),
+        m_zones(m_paths) {}
 
   [[nodiscard]] std::string_view name() const override { return "no_passage"; }
 
@@ -324,19 +325,15 @@ class NoPassage final : public ContactStage {
 
   /// Joins what still comes too close, with all that this brings too close in turn.
   void move_in_zones(const ContactStageInput& input) {
-    const std::size_t nodes = m_safe.size();
-    m_zones.reset(nodes + m_paths.bones());
-    m_is_held.assign(nodes, 0);
-    const std::vector<Vec3> wanted = m_proposed;
-    std::vector<char> is_in(nodes, 0);
+    m_zones.begin(m_safe, m_proposed);
     while (!m_hits.empty()) {
       bool has_grown = false;
-      for (const Hit& hit : m_hits) has_grown = join(hit.stencil, is_in, input) || has_grown;
+      for (const Hit& hit : m_hits) has_grown = m_zones.join(hit.stencil, input) || has_grown;
       if (!has_grown) {
         note_what_closes();
         return;
       }
-      place_zones(input, wanted, is_in);
+      m_zones.place(input, m_inverse_masses, m_proposed, m_is_moved);
       change_moved();
       find_hits();
     }
@@ -355,93 +352,9 @@ class NoPassage final : public ContactStage {
     if (hit == m_hits.end()) return;
     std::size_t corner = 0;
     while (hit->stencil.is_of_bone(corner)) ++corner;
-    const int zone = m_zones.find(hit->stencil.corners[corner]);
-    std::vector<std::string_view> by;
-    for (std::size_t b = 0; b < m_paths.bones(); ++b) {
-      if (m_zones.find(static_cast<int>(m_safe.size() + b)) == zone) by.push_back(m_bones[b].name);
-    }
-    for (std::size_t node = 0; node < m_safe.size(); ++node) {
-      if (m_is_held[node] == 0 || m_zones.find(static_cast<int>(node)) != zone) continue;
-      by.push_back("nodes that are held in place");
-      break;
-    }
-    m_gave_up = fmt::format("{} is between {}, which come together",
-                            m_bodies[m_paths.body_of_node(hit->stencil.corners[corner])].name, fmt::join(by, " and "));
-  }
-
-  /// Whether that is news.
-  bool join(const PassageStencil& stencil, std::vector<char>& is_in, const ContactStageInput& input) {
-    const auto nodes = static_cast<int>(m_safe.size());
-    bool is_news = false;
-    int first = -1;
-    const auto add = [&](int item) {
-      if (first >= 0 && m_zones.find(first) != m_zones.find(item)) {
-        m_zones.join(first, item);
-        is_news = true;
-      }
-      first = item;
-    };
-    if (stencil.bone >= 0) add(nodes + stencil.bone);
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (stencil.is_of_bone(k)) continue;
-      const int node = stencil.corners[k];
-      if (std::exchange(is_in[at_index(node)], 1) == 0) {
-        is_news = true;
-        const int carrier = m_paths.carriers()[at_index(node)];
-        if (carrier >= 0 && is_held(at_index(node), input)) {
-          m_is_held[at_index(node)] = 1;
-        } else if (carrier >= 0) {
-          add(nodes + carrier);
-        }
-      }
-      add(node);
-    }
-    return is_news;
-  }
-
-  /// Whether a bound node stays where it is while its bone moves: no effect carries it.
-  [[nodiscard]] bool is_held(std::size_t node, const ContactStageInput& input) const {
-    const std::size_t bone = at_index(m_paths.carriers()[node]);
-    const RigidMotion& before = input.previous_bone_poses[bone];
-    const RigidMotion& after = input.bone_poses[bone];
-    return m_proposed[node] == m_safe[node] &&
-           (before.rotation != after.rotation || before.translation_m != after.translation_m);
-  }
-
-  void place_zones(const ContactStageInput& input, std::span<const Vec3> wanted, std::span<const char> is_in) {
-    const std::size_t nodes = m_safe.size();
-    const std::size_t items = nodes + m_paths.bones();
-    constexpr int none = -1;
-    constexpr int stands = -2;
-    std::vector<int> carrier(items, none);  // by zone: a bone, or what holds it
-    for (std::size_t node = 0; node < nodes; ++node) {
-      if (m_is_held[node] != 0) carrier[at_index(m_zones.find(static_cast<int>(node)))] = stands;
-    }
-    for (std::size_t b = m_paths.bones(); b-- > 0;) {
-      carrier[at_index(m_zones.find(static_cast<int>(nodes + b)))] = static_cast<int>(b);
-    }
-    std::vector<Vec3> moments(items, Vec3::Zero());
-    std::vector<double> masses(items, 0);
-    for (std::size_t node = 0; node < nodes; ++node) {
-      if (is_in[node] == 0 || !(m_inverse_masses[node] > 0)) continue;
-      const std::size_t zone = at_index(m_zones.find(static_cast<int>(node)));
-      moments[zone] += (wanted[node] - m_safe[node]) / m_inverse_masses[node];
-      masses[zone] += 1 / m_inverse_masses[node];
-    }
-    std::ranges::fill(m_is_moved, 0);
-    for (std::size_t node = 0; node < nodes; ++node) {
-      if (is_in[node] == 0 || !(m_inverse_masses[node] > 0)) continue;
-      const std::size_t zone = at_index(m_zones.find(static_cast<int>(node)));
-      const int by = carrier[zone];
-      m_is_moved[node] = 1;
-      m_proposed[node] = m_safe[node];
-      if (by == none) {
-        m_proposed[node] += moments[zone] / masses[zone];
-      } else if (by >= 0) {
-        m_proposed[node] =
-            input.bone_poses[at_index(by)].apply(input.previous_bone_poses[at_index(by)].apply_inverse(m_safe[node]));
-      }
-    }
+    const int node = hit->stencil.corners[corner];
+    m_gave_up = fmt::format("{} is between {}, which come together", m_bodies[m_paths.body_of_node(node)].name,
+                            m_zones.prescribed_in_zone_of(node, m_bones));
   }
 
   PassagePaths m_paths;
@@ -461,8 +374,7 @@ class NoPassage final : public ContactStage {
   std::vector<Hit> m_hits;
   std::vector<ContactRow> m_rows;
   std::map<PassageStencil, std::size_t> m_row_of;
-  JoinedSets m_zones;
-  std::vector<char> m_is_held;  ///< by node of a zone: bound, and stands still while its bone moves
+  PassageZones m_zones;
   std::vector<int> m_changed;
   int m_hit_count = 0;
   std::string m_gave_up;
@@ -499,10 +411,8 @@ std::vector<ParameterSpec> no_passage_parameters() {
 /// After everything else has moved the nodes, each pair of features whose paths come close is followed by additive
 /// conservative advancement (`safe_share`), against a bone in the bone's frame. Pairs that would come too close become
 /// rows of ContactRowSolver, with the normal that they have just before they touch, and the new paths are followed in
-/// turn. What rows don't settle is joined to zones, which move as a whole: with the bone that they touch, or by their
-/// mean displacement (rigid impact zones: Provot 1997, "Collision and self-collision handling in cloth model dedicated
-/// to design garments"; Bridson, Fedkiw and Anderson 2002). Nothing in a zone moves against anything else in it, and
-/// zones only grow, so that this ends.
+/// turn. What rows don't settle is joined to zones, which move as a whole (PassageZones; rigid impact zones, as
+/// Bridson, Fedkiw and Anderson 2002 use them), so that this ends.
 ///
 /// What a step has to look at, `NearPairs` tells from the distances that earlier steps measured.
 ///
@@ -513,7 +423,6 @@ EffectEntry no_passage_entry() {
   return {.name = "no_passage",
           .help = "no node, edge or face passes through a bone, another muscle or its own muscle",
           .parameters = no_passage_parameters(),
-
           .make_stage = make_no_passage,
           .remedies = {{Requirement::bone_passage},
                        {Requirement::muscle_passage},
