@@ -1,5 +1,7 @@
 #include "bench/commands/effect_trials.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "bench/commands/command_options.hpp"
@@ -39,14 +41,18 @@ namespace {
 EffectChoice find_or_choose_effects(const SceneChoice& choice, Scene& scene, const WantedEffectsOptions& options) {
   const auto file = kept_effects_file(scene, resolved_scene(choice, scene));
   if (file && !options.searches_again) {
-    if (const std::optional<EffectChoice> kept = add_kept_effects(*file, scene)) {
+    Scene with = scene;
+    const std::optional<EffectChoice> kept = add_kept_effects(*file, with);
+    if (kept && (kept->judged_all_frames || !options.judges_the_end)) {
+      scene = std::move(with);
       fmt::print(stderr, "musclebench: {}: effects as an earlier search found them ({})\n", scene.name, file->string());
       return *kept;
     }
   }
   if (options.before_search) options.before_search(with_all_additions(scene));
   fmt::print(stderr, "musclebench: {}: looking for effects by trial runs\n", scene.name);
-  EffectChoice found = choose_effects_with_progress(scene, {});  // the run itself judges all frames
+  // The run itself judges all frames, so that a first search need not.
+  EffectChoice found = choose_effects_with_progress(scene, {.judges_the_end = options.judges_the_end});
   if (found.was_refused) throw InputError(scene.file, "no trial can be run: " + found.unmet.front().text());
   if (file) keep_effects(*file, scene, found);
   return found;
@@ -54,8 +60,8 @@ EffectChoice find_or_choose_effects(const SceneChoice& choice, Scene& scene, con
 
 }  // namespace
 
-void add_wanted_effects(const SceneChoice& choice, Scene& scene, const WantedEffectsOptions& options) {
-  if (!waits_for_trials(scene)) return;
+bool add_wanted_effects(const SceneChoice& choice, Scene& scene, const WantedEffectsOptions& options) {
+  if (!waits_for_trials(scene)) return false;
   const EffectChoice found = find_or_choose_effects(choice, scene, options);
   scene.warnings = warnings_of(scene);
   print_warnings(scene.name, scene.warnings);
@@ -67,6 +73,7 @@ void add_wanted_effects(const SceneChoice& choice, Scene& scene, const WantedEff
     scene.warnings.push_back({"wanted", "does not hold: " + unmet.text()});
     print_warnings(scene.name, {scene.warnings.back()});
   }
+  return found.holds() && !found.judged_all_frames;
 }
 
 namespace {

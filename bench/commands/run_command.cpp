@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -170,25 +171,21 @@ void check_options(const RunOptions& options, const BackendEntry& backend, const
   if (!options.out.empty()) require_writable_with_signals_held(options.out);
 }
 
-int run(RunOptions options) {
-  if (options.strict && options.unjudged) {
-    throw InputError("--strict",
-                     "asks for outcomes within their limits, and --no-referee leaves most of them unjudged; "
-                     "leave one of the two out");
-  }
-  const BackendEntry& backend = find_backend(options.backend.backend);
-  const Parameters parameters = backend_parameters(backend, options.backend.parameters);
-  options.scene.choice.effect_overrides = effect_overrides(options.effects);
-  if (options.fibres >= 0) options.scene.choice.fibres = {options.fibres, "--fibres"};
-  if (options.fibres_if_possible >= 0) {
-    options.scene.choice.fibres = {options.fibres_if_possible, "--fibres-if-possible", false};
-  }
-  options.scene.choice.wanted_overrides = wanted_overrides(options.wanted);
-  Scene scene = load_scene(options.scene);
-  add_wanted_effects(choice_of(options.scene), scene, {options.force, [&](const Scene& widest) {
-                                                         check_options(options, backend, parameters, widest);
-                                                       }});
-  std::sort(options.snapshots.begin(), options.snapshots.end());
+struct Ran {
+  int code = 0;
+  bool is_suspect = false;
+  /// The folder of results has another case, and a search of all frames may have led to that.
+  bool was_put_off = false;
+};
+
+/// Which pass of a command it is: of a scene that asks for effects there may be two.
+struct Pass {
+  bool may_show_more = false;  ///< the search judged some frames only, and called all held
+  bool replaces = false;       ///< what the pass before wrote may be another case
+};
+
+Ran run_scene(Scene scene, const BackendEntry& backend, const Parameters& parameters, const RunOptions& options,
+              const Pass& pass) {
   RunCase run_of{
       resolve_case(scene, backend, parameters,
                    {options.backend.response, options.backend.colliders, options.backend.threads, options.repetition})};
@@ -205,9 +202,12 @@ int run(RunOptions options) {
   const std::string out = options.out.empty() ? fmt::format("reports/out/runs/raw/{}", id) : options.out;
   if (const auto stored = options.force ? std::nullopt : complete_result(out, id, "frames.csv")) {
     fmt::print("{} with {}: complete already in {} (--force runs it again)\n", scene.name, backend.name, out);
-    return conclude(scene.name, stored->status, stored->status_detail, options.strict);
+    return {conclude(scene.name, stored->status, stored->status_detail, options.strict), stored->status == "suspect"};
   }
-  if (!options.force) {
+  if (!options.force && pass.may_show_more && std::filesystem::exists(std::filesystem::path(out) / "run.json")) {
+    return {.was_put_off = true};
+  }
+  if (!options.force && !pass.replaces) {
     require_no_other_case(out, run_of, "coupled");
   }
   require_writable_with_signals_held(out);
@@ -227,13 +227,49 @@ int run(RunOptions options) {
   fmt::print("{}  written to {}\n", run_summary(run_of, result), out);
   if (result.status == "diverged") {
     fmt::print(stderr, "musclebench: {}: diverged: {}\n", scene.name, result.status_detail);
-    return exit_diverged;
+    return {exit_diverged};
   }
   if (result.status == "interrupted") {
     fmt::print(stderr, "musclebench: {}: interrupted {}; its rows are kept\n", scene.name, result.status_detail);
-    return exit_interrupted;
+    return {exit_interrupted};
   }
-  return conclude(scene.name, result.status, result.status_detail, options.strict);
+  return {conclude(scene.name, result.status, result.status_detail, options.strict), result.status == "suspect"};
+}
+
+int run(RunOptions options) {
+  if (options.strict && options.unjudged) {
+    throw InputError("--strict",
+                     "asks for outcomes within their limits, and --no-referee leaves most of them unjudged; "
+                     "leave one of the two out");
+  }
+  const BackendEntry& backend = find_backend(options.backend.backend);
+  const Parameters parameters = backend_parameters(backend, options.backend.parameters);
+  options.scene.choice.effect_overrides = effect_overrides(options.effects);
+  if (options.fibres >= 0) options.scene.choice.fibres = {options.fibres, "--fibres"};
+  if (options.fibres_if_possible >= 0) {
+    options.scene.choice.fibres = {options.fibres_if_possible, "--fibres-if-possible", false};
+  }
+  options.scene.choice.wanted_overrides = wanted_overrides(options.wanted);
+  std::sort(options.snapshots.begin(), options.snapshots.end());
+  const auto search = [&](Scene& scene, bool judges_the_end) {
+    return add_wanted_effects(choice_of(options.scene), scene,
+                              {options.force, judges_the_end,
+                               [&](const Scene& widest) { check_options(options, backend, parameters, widest); }});
+  };
+  Scene scene = load_scene(options.scene);
+  const bool may_show_more = search(scene, false) && !options.unjudged;
+  const std::vector<AddedEffect> added = scene.auto_effects.added;
+  const Ran ran = run_scene(std::move(scene), backend, parameters, options, {.may_show_more = may_show_more});
+  if (!may_show_more || !(ran.is_suspect || ran.was_put_off)) return ran.code;
+  Scene again = load_scene(options.scene);
+  fmt::print(stderr, "musclebench: {}: trials judged some frames only{}: all frames now\n", again.name,
+             ran.was_put_off ? "" : ", and the run is suspect");
+  search(again, true);
+  // What holds in all frames with exact contacts, and is suspect, has a backend that errs.
+  const bool is_same =
+      std::ranges::equal(again.auto_effects.added, added, {}, &AddedEffect::effect, &AddedEffect::effect);
+  if (is_same && !ran.was_put_off) return ran.code;
+  return run_scene(std::move(again), backend, parameters, options, {.replaces = !ran.was_put_off}).code;
 }
 
 }  // namespace

@@ -5,6 +5,9 @@
 #include <cstdlib>
 #include <fstream>
 #include <string_view>
+#include <system_error>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -37,6 +40,22 @@ fs::path cache_folder() {
   if (const char* folder = std::getenv("XDG_CACHE_HOME"); folder != nullptr && *folder == '/') return folder;
   const char* home = std::getenv("HOME");
   return home != nullptr && *home == '/' ? fs::path(home) / ".cache" : fs::path();
+}
+
+/// The cache never has more searches than that: the oldest go.
+constexpr std::size_t most_kept = 1000;
+
+void forget_oldest(const fs::path& folder) {
+  std::vector<std::pair<fs::file_time_type, fs::path>> files;
+  std::error_code failed;
+  for (fs::directory_iterator file(folder, failed); file != fs::directory_iterator(); file.increment(failed)) {
+    const fs::file_time_type written = file->last_write_time(failed);
+    if (!failed && file->path().extension() == ".json") files.emplace_back(written, file->path());
+  }
+  if (files.size() <= most_kept) return;
+  const auto kept = files.end() - static_cast<std::ptrdiff_t>(most_kept);
+  std::nth_element(files.begin(), kept, files.end());
+  std::for_each(files.begin(), kept, [&](const auto& file) { fs::remove(file.second, failed); });
 }
 
 /// Those that the search gave; a default that is given is another scene to the checker.
@@ -96,6 +115,7 @@ std::optional<EffectChoice> add_kept_effects(const fs::path& file, Scene& scene)
     for (const Json& added : kept.at("added")) add_kept(added, file.string(), with);
     for (const Json& unmet : kept.at("unmet")) choice.unmet.push_back({unmet.at("what"), unmet.at("tried")});
     choice.added = with.auto_effects.added;
+    choice.judged_all_frames = kept.at("judged_all_frames");
     scene = std::move(with);
     return choice;
   } catch (const InputError&) {
@@ -115,9 +135,11 @@ void keep_effects(const fs::path& file, const Scene& scene, const EffectChoice& 
   }
   Json unmet = Json::array();
   for (const Unmet& each : found.unmet) unmet.push_back({{"what", each.what}, {"tried", each.tried}});
-  const Json kept = {{"scene", scene.name}, {"added", added}, {"unmet", unmet}};
+  const Json kept = {
+      {"scene", scene.name}, {"added", added}, {"unmet", unmet}, {"judged_all_frames", found.judged_all_frames}};
   try {
     write_atomically(file, [&](std::ostream& out) { out << text_of(kept, 2) << '\n'; });
+    forget_oldest(file.parent_path());
   } catch (const InputError&) {
     // A folder that can't be written is no reason not to run.
   }

@@ -14,7 +14,8 @@ namespace musclebench {
 /// in full, with `[wanted]`. Nothing where there is no such folder, or the program can't be read.
 std::optional<std::filesystem::path> kept_effects_file(const Scene& scene, const std::string& resolved_text);
 
-/// Adds to the scene what an earlier search found, and returns that: `added` and `unmet`, nothing else. Where there is
+/// Adds to the scene what an earlier search found, and returns that: `added`, `unmet` and
+/// `judged_all_frames`, nothing else. Where there is
 /// no such file, or it can't be used, the scene stays as it was and nothing is returned.
 std::optional<EffectChoice> add_kept_effects(const std::filesystem::path& file, Scene& scene);
 

@@ -110,6 +110,7 @@ class EffectSearch {
   EffectChoice finish() {
     m_choice.added = m_scene.auto_effects.added;
     m_choice.figures = m_now.figures;
+    m_choice.judged_all_frames = m_now.judged_all_frames;
     for (const RequiredFigure& figure : m_now.figures) {
       if (figure.holds()) continue;
       m_choice.unmet.push_back({figure.text(), m_given_up[figure.requirement]});

@@ -35,6 +35,7 @@ struct EffectChoice {
   std::vector<Unmet> unmet;             ///< in the scene with what was added
   std::vector<TriedSet> tried;          ///< in order
   bool was_refused = false;             ///< the scene could not be run; `unmet` says why
+  bool judged_all_frames = false;       ///< of the scene with what was added
   Nanoseconds cpu_ns = 0;
 
   [[nodiscard]] bool holds() const { return unmet.empty(); }

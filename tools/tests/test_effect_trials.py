@@ -6,7 +6,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+
+from musclebench.cases.project_scenes import project_scenes
 
 from ball_on_box import SCENE, ball, box, off
 from program import call, complaint, needs_program
@@ -100,7 +103,7 @@ def test_what_a_search_found_is_kept_for_the_next_run_of_the_scene(asking):
 
 def write_without(folder, effect):
     """The scene that shows the effect, which a search has to add."""
-    text = (SCENES / "effects" / f"{effect}.toml").read_text().partition(f"[effects.{effect}]")[0]
+    text = project_scenes()[f"effects/{effect}"].read_text().partition(f"[effects.{effect}]")[0]
     (folder / "scene.toml").write_text(text + "[effects]\nauto = true\n" + WANTED)
 
 
@@ -112,6 +115,63 @@ def test_what_was_kept_gives_the_same_run(asking, effect):
     assert not again and effect in [one["effect"] for one in told["added_effects"]]
     assert same_but_for_times(same) == same_but_for_times(told)
     assert (asking / "again/resolved_scene.toml").read_text() == (asking / "out/resolved_scene.toml").read_text()
+
+
+def spike_that_pokes_once(folder: Path) -> Path:
+    """A ball hangs on a plate. A needle pokes into one of its faces in frame 33 of 120, and nowhere near a node."""
+    vertices, triangles = ball(0.01, [0, 0, 0], rings=30, around=36)
+    face = vertices[[1 + 14 * 36, 2 + 14 * 36, 2 + 15 * 36]].mean(axis=0)
+    tip, out = face * (1 + 3e-4 / np.linalg.norm(face)), face / np.linalg.norm(face)
+    corners = [tip + 0.02 * out + 3e-3 * np.array([0, y, z]) for y, z in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    (folder / "ball.off").write_text(off(vertices, triangles))
+    (folder / "needle.off").write_text(off([tip, *corners], [(0, 2, 1), (0, 3, 2), (0, 4, 3), (0, 1, 4), (1, 2, 3), (1, 3, 4)]))
+    (folder / "plate.off").write_text(off(*(part if i else part + [0, 0, 0.0255] for i, part in enumerate(box(0.015)))))
+    rows = "".join(f"{row}\t{-0.1 if row == 33 else 0}\n" for row in range(121))
+    (folder / "poke.mot").write_text("poke\nversion=1\nnRows=121\nnColumns=2\ninDegrees=yes\nendheader\ntime\tangle\n" + rows)
+    (folder / "scene.toml").write_text(f"""title = "a needle pokes a ball once"
+[[bone]]
+name = "plate"
+mesh = "plate.off"
+[[bone]]
+name = "needle"
+mesh = "needle.off"
+[bone.motion]
+axis = [0, 1, 0]
+centre_m = [{tip[0]}, 0, -0.5]
+table = "poke.mot"
+column = "angle"
+course = "there"
+[muscle]
+name = "ball"
+mesh = "ball.off"
+[[attachment]]
+name = "hold"
+bone = "plate"
+distance_m = 0.003
+outline_m = [[-0.01, -0.01, 0.0105], [0.01, -0.01, 0.0105], [0.01, 0.01, 0.0105], [-0.01, 0.01, 0.0105]]
+[effects]
+auto = true
+[effects.edge_length]
+[effects.bending]
+[effects.volume]
+[effects.damping]
+[loop]
+frames = 120
+substeps = 2
+{WANTED}""")
+    return folder / "scene.toml"
+
+
+def test_what_trials_did_not_look_at_is_searched_for_again(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    scene = spike_that_pokes_once(tmp_path)
+    done = call("run", scene, "--backend", "bvh", "--out", tmp_path / "out")
+    assert done.returncode == 0 and "all frames now" in done.stderr, done.stderr
+    told = json.loads((tmp_path / "out" / "run.json").read_text())
+    assert told["status"] == "ok" and "surface_contact" in [one["effect"] for one in told["added_effects"]], told["status_detail"]
+    again = call("run", scene, "--backend", "bvh", "--out", tmp_path / "again")
+    assert "all frames now" not in again.stderr
+    assert json.loads((tmp_path / "again" / "run.json").read_text())["state_hash"] == told["state_hash"]
 
 
 @pytest.mark.parametrize(("options", "word"), [

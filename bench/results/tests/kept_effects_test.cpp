@@ -1,5 +1,6 @@
 #include "bench/results/kept_effects.hpp"
 
+#include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <functional>
@@ -40,6 +41,7 @@ class KeptEffects : public testing::Test {
     add_muscle_contact(scene, {0, 1}, "trial", "they passed");
     EffectChoice choice;
     choice.added = scene.auto_effects.added;
+    choice.judged_all_frames = true;
     choice.unmet = {{"the volume is off", {"volume leaves 3 %", "bending is no better"}}};
     return choice;
   }
@@ -73,6 +75,23 @@ TEST_F(KeptEffects, AreThoseThatWereFound) {
   EXPECT_EQ(kept->added[0].reason, "it was deep");
   ASSERT_EQ(kept->unmet.size(), 1U);
   EXPECT_EQ(kept->unmet[0].text(), choice.unmet[0].text());
+  EXPECT_TRUE(kept->judged_all_frames);
+}
+
+TEST_F(KeptEffects, OfManyTheOldestGo) {
+  Scene found = two_balls_near_a_bone();
+  const EffectChoice choice = added_to(found);
+  const fs::path folder = m_folder.path() / "many";
+  fs::create_directories(folder);
+  const auto start = fs::file_time_type::clock::now() - std::chrono::hours(1);
+  for (int i = 0; i < 1001; ++i) {
+    const fs::path file = folder / (std::to_string(i) + ".json");
+    std::ofstream(file) << "{}";
+    fs::last_write_time(file, start + std::chrono::seconds(i));
+  }
+  keep_effects(folder / "new.json", found, choice);
+  EXPECT_FALSE(fs::exists(folder / "0.json") || fs::exists(folder / "1.json"));
+  EXPECT_TRUE(fs::exists(folder / "2.json") && fs::exists(folder / "new.json"));
 }
 
 TEST_F(KeptEffects, AreOfOneSceneAndWhatItKeepsOut) {
