@@ -2,7 +2,8 @@
 
 # musclebench_effect(NAME SOURCES file... [CHECKS file...] [TESTS file...])
 # The folder NAME of core/effects. One of its sources defines `EffectEntry NAME_entry()` of namespace musclebench: what it
-# does. CHECKS define `EffectChecks NAME_checks()`: what the checker knows of it.
+# does. CHECKS define `EffectChecks NAME_checks()`: what the checker knows of it. The file scene.toml is the scene
+# `effects/NAME`, which shows it.
 function(musclebench_effect name)
   cmake_parse_arguments(arg "" "" "SOURCES;CHECKS;TESTS" ${ARGN})
   foreach(kind IN ITEMS SOURCES CHECKS TESTS)

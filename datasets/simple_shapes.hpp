@@ -8,7 +8,7 @@
 
 namespace musclebench {
 
-/// Simple bodies made by code, each in its place, for scenes that show one effect alone (datasets/scenes/effects).
+/// Simple bodies made by code, each in its place, for scenes that show one effect alone (core/effects/NAME/scene.toml).
 /// Metres, z up; what lies on something touches z = 0. Throws InputError for an unknown name.
 TriangleMesh simple_shape(std::string_view name);
 

@@ -32,7 +32,7 @@ def run_and_report(arguments) -> int:
     sweep = sweep_of(file, options, registry, folders, QUICK_MUSCLE if options.quick else None)
     problems = sweep.run(sweep.cases, limits_of(options))
     done, returned, guarded, drawn = (sweep.done(group) for group in ("sets", "returns", "guards", "shown"))
-    tables, files = write_report(done, returned, guarded, drawn, folders.out_dir)
+    tables, files = write_report(done, returned, guarded, drawn, dict(registry.effect_colours), folders.out_dir)
     for table in tables:
         print(f"\n{table.caption}\n\n{as_text(table)}")
     busy = disturbed({case.name: read_run(folder).record for case, folder in done.items()})

@@ -139,7 +139,8 @@ Json catalogue() {
     effects.push_back({{"name", effect.name},
                        {"help", effect.help},
                        {"parameters", json_of(effect.parameters)},
-                       {"remedies", remedies}});
+                       {"remedies", remedies},
+                       {"colour", effect.colour}});
   }
   const BuildInfo build = build_info();
   return {{"schema", catalogue_schema},

@@ -69,6 +69,8 @@ struct EffectEntry {
   /// What it helps a run to hold. None: it is a part of what a scene asks about, such as a load, and no trial adds it.
   std::vector<Remedy> remedies = {};
   std::vector<std::string> inert_at_zero = {};  ///< parameters: where one of them is 0, it changes nothing
+  /// In figures, "#rrggbb": forces are grey, what keeps the form blue, the volume green, contact warm. Empty: any.
+  std::string colour = {};
 };
 
 /// The folder of an effect and what it gives.

@@ -12,7 +12,7 @@ struct EmbeddedFile {
   std::string_view text;
 };
 
-/// The scene files of `datasets/scenes` and of the data sets that come with the project.
+/// The scene files of `datasets/scenes`, of the effects' folders, and of the data sets that come with the project.
 std::span<const EmbeddedFile> embedded_scenes();
 
 /// The preset files of `datasets/presets`.

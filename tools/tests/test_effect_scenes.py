@@ -9,13 +9,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from musclebench.cases.project_scenes import project_scenes
 from musclebench.results.ply import PlyMesh, read_ply
 from program import call, needs_program
 from spring_model import displacement_m, stiffness_matrix
 
 pytestmark = needs_program
-SCENES = Path(__file__).resolve().parents[2] / "datasets" / "scenes" / "effects"
-NAMES = sorted(path.stem for path in SCENES.glob("*.toml"))
+SCENES = {name.removeprefix("effects/"): path for name, path in project_scenes().items() if name.startswith("effects/")}
+NAMES = sorted(SCENES)
 G = 9.80665
 NOT_EFFECTS = {"contact", "fibre_anisotropy", "muscle_contact"}  # of the backend, of edge_length, of [contact]
 
@@ -70,7 +71,7 @@ def test_every_effect_has_a_scene_that_shows_it():
     assert effects | NOT_EFFECTS == set(NAMES)
     assert {f"effects/{name}" for name in NAMES} <= {scene["name"] for scene in listed["scenes"]}
     for name in effects & set(NAMES):
-        assert re.search(rf"^\[effects\.{name}\]$", (SCENES / f"{name}.toml").read_text(), re.MULTILINE), name
+        assert re.search(rf"^\[effects\.{name}\]$", SCENES[name].read_text(), re.MULTILINE), name
 
 
 # The rod pokes between nodes, which effects/local_volume
@@ -233,7 +234,7 @@ def test_a_ball_rests_in_the_groove_of_two_bones_in_any_order(run, tmp_path):
     assert found.outcome["max_depth_m"] < 1e-9
     lowest_m = found.shapes[60].vertices_m[:, 2].min()
     assert 0 < lowest_m < 0.01  # touches both sides above the bottom
-    text = (SCENES / "multi_bone.toml").read_text()
+    text = SCENES["multi_bone"].read_text()
     swapped = tmp_path / "swapped.toml"
     swapped.write_text(text.replace("groove_left", "x").replace("groove_right", "groove_left")
                        .replace("x", "groove_right", 2))

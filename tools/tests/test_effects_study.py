@@ -226,7 +226,7 @@ def test_costs_are_columns_and_differences(measured):
 
 @pytest.mark.long
 def test_shapes_are_compared_with_that_of_all_effects(measured, tmp_path):
-    tables, _ = write_report(measured({OWN: (10, {}), ALL: (12, {})}), {}, {}, {}, tmp_path / "out")
+    tables, _ = write_report(measured({OWN: (10, {}), ALL: (12, {})}), {}, {}, {}, {}, tmp_path / "out")
     changes = next(table for table in tables if table.name == "effect_changes").rows.set_index("set")
     assert changes.loc[OWN, "shape_mm"] == pytest.approx(2) and changes.loc[ALL, "shape_mm"] == 0
 
@@ -236,7 +236,7 @@ def test_figures_fit_the_page(measured, tmp_path, monkeypatch):
     kept = {}
     keep_figures(monkeypatch, kept)
     sets = measured_sets(measured({OWN: (10, {}), ALL: (40, {}), "own+margin": (12, {}), "all-local_volume": (30, {})}))
-    effect_figures.draw_costs(sets, tmp_path / "effect_costs")
+    effect_figures.draw_costs(sets, tmp_path / "effect_costs", {"margin": "#F0E442"})
     effect_figures.draw_changes(sets, tmp_path / "effect_changes")
     for figure, paths in kept.values():
         check_print(figure, paths)

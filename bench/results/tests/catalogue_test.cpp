@@ -66,7 +66,9 @@ TEST(Catalogue, HasTheKeysOfItsSchema) {
   expect_parameters(json["meshes"]);
   expect_parameters(json["wanted"]);
   for (const Json& effect : json["effects"]) {
-    EXPECT_EQ(keys_of(effect), (Keys{"name", "help", "parameters", "remedies"}));
+    EXPECT_EQ(keys_of(effect), (Keys{"name", "help", "parameters", "remedies", "colour"}));
+    // multi_bone has no time of its own to show.
+    EXPECT_EQ(std::string(effect["colour"]).size(), effect["name"] == "multi_bone" ? 0U : 7U) << effect["name"];
     EXPECT_EQ(effect["remedies"].empty(), loads.contains(effect["name"])) << effect["name"];
     expect_parameters(effect["parameters"]);
   }

@@ -114,7 +114,8 @@ EffectEntry activation_entry() {
           .help = "fibres shorten by a course over time",
           .parameters = activation_parameters(),
           .make = make_activation,
-          .inert_at_zero = {"level", "shortening"}};
+          .inert_at_zero = {"level", "shortening"},
+          .colour = "#A9C5DE"};
 }
 
 }  // namespace musclebench

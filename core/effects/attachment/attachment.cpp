@@ -52,7 +52,8 @@ EffectEntry attachment_entry() {
   return {.name = "attachment",
           .help = "bound nodes move with their bone",
           .parameters = attachment_parameters(),
-          .make = make_attachment};
+          .make = make_attachment,
+          .colour = "#b3b3b3"};
 }
 
 }  // namespace musclebench

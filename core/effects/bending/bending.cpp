@@ -88,7 +88,8 @@ EffectEntry bending_entry() {
           .parameters = bending_parameters(),
           .make = make_bending,
           .remedies = {{Requirement::self_passage, tissue_bending()}, {Requirement::returned_shape, tissue_bending()}},
-          .inert_at_zero = {"stiffness"}};
+          .inert_at_zero = {"stiffness"},
+          .colour = "#6A8CAF"};
 }
 
 }  // namespace musclebench

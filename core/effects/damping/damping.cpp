@@ -48,7 +48,8 @@ EffectEntry damping_entry() {
           .help = "velocities decay",
           .parameters = damping_parameters(),
           .make = make_damping,
-          .inert_at_zero = {"rate_per_s"}};
+          .inert_at_zero = {"rate_per_s"},
+          .colour = "#808080"};
 }
 
 }  // namespace musclebench

@@ -85,7 +85,8 @@ EffectEntry edge_length_entry() {
           .parameters = edge_length_parameters(),
           .make = make_edge_length,
           .remedies = {{Requirement::whole_surface}},
-          .inert_at_zero = {"stiffness"}};
+          .inert_at_zero = {"stiffness"},
+          .colour = "#23395B"};
 }
 
 }  // namespace musclebench

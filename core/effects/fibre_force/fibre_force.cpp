@@ -177,7 +177,8 @@ EffectEntry fibre_force_entry() {
           .parameters = fibre_force_parameters(),
           .make = make_fibre_force,
           .remedies = {{Requirement::taut_fibres, {{"level", 0.05}}}},
-          .inert_at_zero = {"peak_stress_pa"}};
+          .inert_at_zero = {"peak_stress_pa"},
+          .colour = "#D3E1EE"};
 }
 
 }  // namespace musclebench

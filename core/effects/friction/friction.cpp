@@ -95,11 +95,11 @@ EffectEntry friction_entry() {
   return {.name = "friction",
           .help = "Coulomb friction: what touches a bone, a muscle or itself slides only as far as the push allows",
           .parameters = friction_parameters(),
-
           .make_stage = make_friction,
           .set_contacts = set_friction,
           .needs_normals = true,
-          .inert_at_zero = {"coefficient"}};
+          .inert_at_zero = {"coefficient"},
+          .colour = "#E69F00"};
 }
 
 }  // namespace musclebench

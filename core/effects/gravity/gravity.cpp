@@ -53,7 +53,8 @@ EffectEntry gravity_entry() {
   return {.name = "gravity",
           .help = "constant acceleration of all free nodes",
           .parameters = gravity_parameters(),
-          .make = make_gravity};
+          .make = make_gravity,
+          .colour = "#4d4d4d"};
 }
 
 }  // namespace musclebench

@@ -106,7 +106,8 @@ EffectEntry local_volume_entry() {
           .parameters = local_volume_parameters(),
           .make = make_local_volume,
           .remedies = {{Requirement::volume}},
-          .inert_at_zero = {"projection_scale"}};
+          .inert_at_zero = {"projection_scale"},
+          .colour = "#86A593"};
 }
 
 }  // namespace musclebench

@@ -106,12 +106,12 @@ EffectEntry margin_entry() {
   return {.name = "margin",
           .help = "a skin on the bones; nodes stay out of it, and faces with `surface_contact`",
           .parameters = margin_parameters(),
-
           .make_stage = make_margin,
           .set_contacts = set_margin,
           .needs_normals = true,
           .needs_projection = true,
-          .inert_at_zero = {"thickness_m"}};
+          .inert_at_zero = {"thickness_m"},
+          .colour = "#F0E442"};
 }
 
 }  // namespace musclebench

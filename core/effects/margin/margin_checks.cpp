@@ -24,8 +24,8 @@ void find_contacts_without_margin(CheckContext& context, Findings& findings) {
 }
 
 void find_thick_margin(CheckContext& context, Findings& findings) {
-  const auto margin = std::ranges::find(context.scene.effects, "margin", &SceneEffect::name);
-  if (margin == context.scene.effects.end()) return;
+  const SceneEffect* margin = find_named(context.scene, "margin");
+  if (margin == nullptr) return;
   const double margin_m = margin->parameters.number("thickness_m");
   const std::optional<double> thickness_m = context.usual_thickness_m();
   if (!thickness_m || margin_m <= *thickness_m) return;

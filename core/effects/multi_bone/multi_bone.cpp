@@ -29,7 +29,6 @@ EffectEntry multi_bone_entry() {
               "nodes in several bones take one short displacement out of all bones; without this effect the pushes of "
               "the bones add up",
           .parameters = multi_bone_parameters(),
-
           .set_response = set_multi_bone,
           .needs_normals = true,
           .needs_projection = true,

@@ -428,7 +428,8 @@ EffectEntry no_passage_entry() {
                        {Requirement::muscle_passage},
                        {Requirement::self_passage},
                        {Requirement::bone_depth},
-                       {Requirement::muscle_depth}}};
+                       {Requirement::muscle_depth}},
+          .colour = "#662506"};
 }
 
 }  // namespace musclebench

@@ -16,8 +16,8 @@ namespace {
 /// What goes through each other as the run begins; which bones lie where then, the motion says.
 void find_passed_at_start(CheckContext& context, Findings& findings) {
   const Scene& scene = context.scene;
-  const auto effect = std::ranges::find(scene.effects, "no_passage", &SceneEffect::name);
-  if (effect == scene.effects.end()) return;
+  const SceneEffect* effect = find_named(scene, "no_passage");
+  if (effect == nullptr) return;
   std::vector<RigidMotion> poses;
   scene.poses_at(0, poses);
   const std::vector<Body> bodies = scene.bodies();

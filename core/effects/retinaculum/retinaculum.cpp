@@ -115,7 +115,8 @@ EffectEntry retinaculum_entry() {
   return {.name = "retinaculum",
           .help = "rings that bones carry hold tendons, which slide through them",
           .parameters = retinaculum_parameters(),
-          .make = make_retinaculum};
+          .make = make_retinaculum,
+          .colour = "#56B4E9"};
 }
 
 }  // namespace musclebench

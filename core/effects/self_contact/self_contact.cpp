@@ -177,9 +177,9 @@ EffectEntry self_contact_entry() {
   return {.name = "self_contact",
           .help = "a muscle does not fold through itself",
           .parameters = self_contact_parameters(),
-
           .make_stage = make_self_contact,
-          .remedies = {{Requirement::self_passage}}};
+          .remedies = {{Requirement::self_passage}},
+          .colour = "#CC79A7"};
 }
 
 }  // namespace musclebench

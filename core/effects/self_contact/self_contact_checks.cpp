@@ -15,9 +15,8 @@ namespace {
 /// with 1e7 surfaces folded.
 bool resists_bending(const Scene& scene) {
   constexpr double largest_compliance_rad_per_n_m = 1e5;
-  const auto bending = std::ranges::find(scene.effects, "bending", &SceneEffect::name);
-  return bending != scene.effects.end() &&
-         bending->parameters.number("compliance_rad_per_n_m") <= largest_compliance_rad_per_n_m;
+  const SceneEffect* bending = find_named(scene, "bending");
+  return bending != nullptr && bending->parameters.number("compliance_rad_per_n_m") <= largest_compliance_rad_per_n_m;
 }
 
 void find_compressed_surfaces(CheckContext& context, Findings& findings) {
@@ -26,7 +25,7 @@ void find_compressed_surfaces(CheckContext& context, Findings& findings) {
   // other. Measured at full flexion of the hip without bending that resists: 0.2 to 7 % of the triangles, for ratios of
   // 0.6 to 0.91.
   constexpr double largest_ratio = 0.95;
-  if (find_effect(effect) == nullptr || has_effect(context.scene, effect) || resists_bending(context.scene)) return;
+  if (has_effect(context.scene, effect) || resists_bending(context.scene)) return;
   for (const Compression& found : compressions(context.scene, context.poses())) {
     if (found.edge_ratio > largest_ratio) continue;
     const double degrees = found.angle_rad * degrees_per_radian;
@@ -42,8 +41,8 @@ void find_compressed_surfaces(CheckContext& context, Findings& findings) {
 }
 
 void find_thick_self_contact(CheckContext& context, Findings& findings) {
-  const auto contact = std::ranges::find(context.scene.effects, "self_contact", &SceneEffect::name);
-  if (contact == context.scene.effects.end()) return;
+  const SceneEffect* contact = find_named(context.scene, "self_contact");
+  if (contact == nullptr) return;
   const double kept_m = contact->parameters.number("thickness_m");
   const std::optional<double> thickness_m = context.usual_thickness_m();
   // What is nearer at rest than a few times the distance does not count as a fold.

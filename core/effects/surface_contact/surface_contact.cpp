@@ -104,9 +104,9 @@ EffectEntry surface_contact_entry() {
   return {.name = "surface_contact",
           .help = "faces and edges of a muscle stay out of bones, not only its nodes",
           .parameters = surface_contact_parameters(),
-
           .make_stage = make_surface_contact,
-          .remedies = {{Requirement::bone_depth}, {Requirement::bone_passage}}};
+          .remedies = {{Requirement::bone_depth}, {Requirement::bone_passage}},
+          .colour = "#D55E00"};
 }
 
 }  // namespace musclebench

@@ -280,9 +280,9 @@ EffectEntry tunnelling_guard_entry() {
   return {.name = "tunnelling_guard",
           .help = "no node ends a step on the far side of a bone",
           .parameters = tunnelling_guard_parameters(),
-
           .make_stage = make_tunnelling_guard,
-          .remedies = {{Requirement::bone_passage}, {Requirement::bone_depth}}};
+          .remedies = {{Requirement::bone_passage}, {Requirement::bone_depth}},
+          .colour = "#8C2D04"};
 }
 
 }  // namespace musclebench

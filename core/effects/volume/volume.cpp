@@ -35,7 +35,8 @@ EffectEntry volume_entry() {
           .parameters = volume_parameters(),
           .make = make_volume,
           .remedies = {{Requirement::volume}},
-          .inert_at_zero = {"projection_scale"}};
+          .inert_at_zero = {"projection_scale"},
+          .colour = "#3E5C4B"};
 }
 
 }  // namespace musclebench

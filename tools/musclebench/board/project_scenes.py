@@ -1,10 +1,8 @@
 """The scenes that everyone can have: those that the program carries."""
 
-from pathlib import Path
+from ..cases.project_scenes import project_scenes
 
-DATASETS = Path(__file__).resolve().parents[3] / "datasets"
-FOLDERS = (DATASETS / "scenes", DATASETS / "ankle" / "scenes")
-KNOWN = frozenset(str(path.relative_to(folder).with_suffix("")) for folder in FOLDERS for path in folder.rglob("*.toml"))
+KNOWN = frozenset(project_scenes())
 
 
 def is_of_project(scene: str) -> bool:

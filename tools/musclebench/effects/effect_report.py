@@ -1,5 +1,6 @@
 """Tables and figures of the study of effects."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from ..experiments.caveats import caveats
@@ -26,8 +27,8 @@ def measured_sets(folders: dict[SweptCase, Path]) -> list[MeasuredSet]:
 
 
 def write_report(folders: dict[SweptCase, Path], returned: dict[SweptCase, Path], guarded: dict[SweptCase, Path],
-                 shown: dict[SweptCase, Path], out_dir: Path) -> tuple[list[Table], list[Path]]:
-    """All of them: of the complete cases."""
+                 shown: dict[SweptCase, Path], colours: Mapping[str, str], out_dir: Path) -> tuple[list[Table], list[Path]]:
+    """All of them: of the complete cases. `colours`: by effect."""
     measured = measured_sets(folders)
     tables = [cost_table(measured), change_table(measured), price_table(measured), return_table(returned),
               guard_table(guarded)]
@@ -37,7 +38,7 @@ def write_report(folders: dict[SweptCase, Path], returned: dict[SweptCase, Path]
     files = [path for table in tables for path in write_table(table, out_dir / "tables")]
     scenes = [run for run in read_all(list(shown.values())) if run.status in MEASURED]
     with left_out_without("the figures"):
-        files += draw_costs(measured, out_dir / "figures" / "effect_costs")
+        files += draw_costs(measured, out_dir / "figures" / "effect_costs", colours)
         files += draw_changes(measured, out_dir / "figures" / "effect_changes")
         files += draw_scenes(scenes, out_dir / "figures" / "effect_scenes")
     return tables, files

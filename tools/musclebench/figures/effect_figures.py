@@ -1,6 +1,7 @@
 """What effects cost a frame, as stacked bars a muscle; what they change, a row a set of effects."""
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
 
 from ..effects.effect_runs import MeasuredSet
@@ -9,14 +10,6 @@ from ..effects.effect_tables import change_rows
 from . import style
 from .style import plt
 
-# Of one hue what does one thing: forces grey, form blue, volume green, contact warm; the loop light.
-EFFECT_COLOURS = {
-    "gravity": "#4d4d4d", "damping": "#808080", "attachment": "#b3b3b3",
-    "edge_length": "#23395B", "bending": "#6A8CAF", "activation": "#A9C5DE", "fibre_force": "#D3E1EE",
-    "volume": "#3E5C4B", "local_volume": "#86A593",
-    "margin": "#F0E442", "friction": "#E69F00", "surface_contact": "#D55E00", "tunnelling_guard": "#8C2D04", "no_passage": "#662506",
-    "self_contact": "#CC79A7", "retinaculum": "#56B4E9",
-}
 SPARE_COLOURS = ("#4A3B66", "#8F7DB0", "#CBC0DF")
 BONES, REST = "contact with bones", "the rest of the loop"
 PART_COLOURS = {BONES: "#f4c7b0", REST: "#e6e6e6"}
@@ -29,8 +22,9 @@ MARKERS = ("o", "s", "D", "^", "v", "P")
 MUSCLE_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 
 
-def draw_costs(measured: list[MeasuredSet], stem: Path) -> list[Path]:
-    """Two bars a muscle: the scene's own effects, and all; over the frame with its own, so that small muscles show."""
+def draw_costs(measured: list[MeasuredSet], stem: Path, colours: Mapping[str, str]) -> list[Path]:
+    """Two bars a muscle: the scene's own effects, and all; over the frame with its own, so that small muscles show. `colours`: by
+    effect; the loop is light."""
     shown = [one for one in measured if one.chosen.name in (OWN, ALL) and one.is_measured]
     if not shown:
         return []
@@ -46,7 +40,7 @@ def draw_costs(measured: list[MeasuredSet], stem: Path) -> list[Path]:
         left = 0.0
         for name in names:
             width = parts[id(one)].get(name, 0.0) / own_ms[one.scene]
-            axes.barh(row, width, left=left, height=0.74, color=_colour(name), edgecolor="white", linewidth=0.4)
+            axes.barh(row, width, left=left, height=0.74, color=_colour(name, colours), edgecolor="white", linewidth=0.4)
             left += width
         axes.text(left, row, f" {one.mean_frame_ms:.3g} ms", va="center", fontsize=7)
     axes.set_yticks(range(len(shown)), [f"{style.muscle_label(one.muscle)}, {one.chosen.name}" for one in shown])
@@ -54,7 +48,7 @@ def draw_costs(measured: list[MeasuredSet], stem: Path) -> list[Path]:
     axes.margins(x=0.12)
     axes.grid(axis="y", visible=False)
     figure.tight_layout(rect=(0, 0, 1, 1 - legend_inches / height))
-    handles = [plt.Rectangle((0, 0), 1, 1, color=_colour(name)) for name in names]
+    handles = [plt.Rectangle((0, 0), 1, 1, color=_colour(name, colours)) for name in names]
     figure.legend(handles, [name.replace("_", " ") for name in names], ncols=LEGEND_COLUMNS, loc="upper left",
                   bbox_to_anchor=(0.0, 1.0), frameon=False)
     return style.save_figure(figure, stem)
@@ -67,10 +61,10 @@ def _parts(one: MeasuredSet) -> dict[str, float]:
     return found | {REST: max(0.0, one.mean_frame_ms - sum(found.values()))}
 
 
-def _colour(name: str) -> str:
+def _colour(name: str, colours: Mapping[str, str]) -> str:
     if name in PART_COLOURS:
         return PART_COLOURS[name]
-    return EFFECT_COLOURS.get(name, SPARE_COLOURS[sum(map(ord, name)) % len(SPARE_COLOURS)])
+    return colours.get(name, SPARE_COLOURS[sum(map(ord, name)) % len(SPARE_COLOURS)])
 
 
 def draw_changes(measured: list[MeasuredSet], stem: Path) -> list[Path]:

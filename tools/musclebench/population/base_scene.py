@@ -13,12 +13,11 @@ from typing import Any
 import numpy as np
 
 from ..anatomy.surface import Points, Surface
-from ..cases.study_command import PROJECT
+from ..cases.project_scenes import project_scenes
 from ..program.cli import Problem
 from ..program.registry import read_registry
 from ..results.ply import read_ply
 
-OF_PROJECT = (PROJECT / "datasets" / "scenes", PROJECT / "datasets" / "ankle" / "scenes")
 READING_SECONDS = 600
 PLACING = ("unit", "scale", "rotate_deg", "translate_m")
 ONE_STEP = ("start_noise_m=0", "rest_frames=0", "settle_substeps=0", "substeps=1", "iterations=1")
@@ -51,7 +50,7 @@ def scene_file(scene: str) -> Path:
     """Of a scene by name, too. Raises Problem."""
     if scene.endswith(".toml"):
         return Path(scene).resolve()
-    found = next((folder / f"{scene}.toml" for folder in OF_PROJECT if (folder / f"{scene}.toml").is_file()), None)
+    found = project_scenes().get(scene)
     if found is None:
         raise Problem(f"{scene}: neither a scene of `musclebench list` nor a .toml file")
     return found

@@ -123,6 +123,7 @@ class Registry:
     presets: tuple[str, ...] = ()
     effects: tuple[str, ...] = ()  # in the program's order
     effect_helps: tuple[tuple[str, str], ...] = ()  # (name, what it does)
+    effect_colours: tuple[tuple[str, str], ...] = ()  # (name, colour in figures)
     text: str = field(default="", compare=False)  # as the program printed it
     most_splits: int = 4  # of the triangles of a mesh
 
@@ -201,10 +202,11 @@ def parse_registry(text: str, source: str) -> Registry:
         presets = tuple(one["name"] for one in told["presets"])
         effects = tuple(one["name"] for one in told.get("effects", []))
         effect_helps = tuple((one["name"], one["help"]) for one in told.get("effects", []) if one.get("help"))
+        effect_colours = tuple((one["name"], one["colour"]) for one in told.get("effects", []) if one.get("colour"))
         most_splits = min((int(one["maximum"]) for one in told.get("meshes", [])), default=Registry.most_splits)
     except (ValueError, KeyError, TypeError) as problem:
         raise Problem(f"{source}: not what 'musclebench list --json' prints ({problem!r})") from None
-    registry = Registry(backends, scenes, presets, effects, effect_helps, text, most_splits)
+    registry = Registry(backends, scenes, presets, effects, effect_helps, effect_colours, text, most_splits)
     _check_studies(registry, source)
     return registry
 

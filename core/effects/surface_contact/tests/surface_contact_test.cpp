@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -8,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/effects/effect_registry.hpp"
 #include "core/mesh/shapes.hpp"
 #include "core/mesh_repair/repair_mesh.hpp"
 

@@ -287,16 +287,17 @@ TEST(GeometryRules, FindABoneThinnerThanTwoCells) {
 }
 
 TEST(GeometryRules, FindContactThatCanNotBe) {
-  const auto out_of_reach = [](const std::string& muscle, const std::string& effects) {
-    return is_found(
-        check_scene_of(bone_text("plate", turning(1)) + muscle_text(muscle) + "[effects.edge_length]\n" + effects),
-        "out_of_reach", "effects.friction");
+  const auto out_of_reach = [](const std::string& muscle, const std::string& effects, const std::string& more = "") {
+    return is_found(check_scene_of(bone_text("plate", turning(1)) + muscle_text(muscle, more) +
+                                   "[effects.edge_length]\n" + effects),
+                    "out_of_reach", "effects.friction");
   };
   EXPECT_TRUE(out_of_reach("far", "[effects.friction]\n"));
   EXPECT_FALSE(out_of_reach("far", "[effects.friction]\n[effects.gravity]\n"));
   EXPECT_FALSE(out_of_reach("far", "[effects.friction]\n[effects.self_contact]\n"));
   EXPECT_FALSE(out_of_reach("ball", "[effects.friction]\n"));
   EXPECT_FALSE(out_of_reach("far", ""));
+  EXPECT_FALSE(out_of_reach("far", "[effects.friction]\n", "velocity_m_per_s = [0, 0, -1]\n")) << "it may fly there";
 }
 
 TEST(GeometryRules, FindASkinThickerThanTheMuscle) {
