@@ -3,44 +3,36 @@
 #include <algorithm>
 
 #include "core/base/input_error.hpp"
-#include "datasets/synthetic_bones.hpp"
-#include "datasets/synthetic_isosurface.hpp"
-#include "datasets/synthetic_muscles.hpp"
-#include "datasets/synthetic_remesh.hpp"
+#include "datasets/synthetic/mesh_pack.hpp"
+
+// What CMake makes of the file of write_synthetic_hip.
+extern "C" {
+extern const char musclebench_synthetic_hip_begin[];
+extern const char musclebench_synthetic_hip_end[];
+}
 
 namespace musclebench {
 
 namespace {
 
-constexpr double bone_cell_m = 0.0022;
-constexpr double muscle_cell_m = 0.0022;
-constexpr int hip_bone_vertices = 24000;
-constexpr int femur_vertices = 20000;
-
-TriangleMesh make_surface(const Field& field, const Vec3& lower_m, const Vec3& upper_m, double cell_m, int vertices) {
-  return remesh_isotropic(largest_surface(extract_isosurface(field, lower_m, upper_m, cell_m)), field, vertices);
+std::vector<PackedMesh> all_meshes() {
+  return packed_meshes(std::span<const char>(musclebench_synthetic_hip_begin, musclebench_synthetic_hip_end));
 }
 
 }  // namespace
 
 std::vector<std::string> synthetic_hip_names() {
-  return {"hip_bone", "femur", "adductor_brevis", "gluteus_maximus", "gluteus_medius", "iliacus"};
+  std::vector<std::string> names;
+  for (const PackedMesh& each : all_meshes()) names.emplace_back(each.name);
+  return names;
 }
 
 TriangleMesh synthetic_hip_mesh(std::string_view name) {
-  const std::vector<std::string> known = synthetic_hip_names();
-  if (std::find(known.begin(), known.end(), name) == known.end()) {
-    throw InputError("synthetic:" + std::string(name), "is unknown; did you mean '" + nearest_word(name, known) + "'?");
-  }
-  if (name == "hip_bone") {
-    return make_surface(hip_bone_field(), Vec3(-0.08, -0.09, -0.08), Vec3(0.12, 0.12, 0.17), bone_cell_m,
-                        hip_bone_vertices);
-  }
-  if (name == "femur") {
-    return make_surface(femur_field(), Vec3(-0.09, -0.05, -0.45), Vec3(0.05, 0.09, 0.05), bone_cell_m, femur_vertices);
-  }
-  const MuscleShape muscle = muscle_shape(name);
-  return make_surface(muscle.field, muscle.lower_m, muscle.upper_m, muscle_cell_m, muscle.vertices);
+  const std::vector<PackedMesh> meshes = all_meshes();
+  const auto found = std::ranges::find(meshes, name, &PackedMesh::name);
+  if (found != meshes.end()) return found->mesh();
+  throw InputError("synthetic:" + std::string(name),
+                   "is unknown; did you mean '" + nearest_word(std::string(name), synthetic_hip_names()) + "'?");
 }
 
 }  // namespace musclebench

@@ -13,7 +13,8 @@
 #include "core/bvh/triangle_bvh.hpp"
 #include "core/mesh/rigid_motion.hpp"
 #include "core/mesh_repair/check_mesh.hpp"
-#include "datasets/synthetic_bones.hpp"
+#include "datasets/synthetic/make_synthetic_hip.hpp"
+#include "datasets/synthetic/synthetic_bones.hpp"
 #include "datasets/tests/self_intersection.hpp"
 
 namespace musclebench {
@@ -98,7 +99,7 @@ TEST(SyntheticHip, MusclesHaveTheVertexCountsAndVolumesOfThePapersMuscles) {
 
 TEST(SyntheticHip, TheSameBitsTwice) {
   for (const std::string name : {"femur", "adductor_brevis", "iliacus"}) {
-    const TriangleMesh again = synthetic_hip_mesh(name);
+    const TriangleMesh again = make_synthetic_hip_mesh(name);
     EXPECT_TRUE(again.vertices == made(name).vertices) << name;
     EXPECT_TRUE(again.triangles == made(name).triangles) << name;
   }

@@ -1,4 +1,4 @@
-#include "datasets/synthetic_bones.hpp"
+#include "datasets/synthetic/synthetic_bones.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,9 @@
-#include "datasets/synthetic_muscles.hpp"
+#include "datasets/synthetic/synthetic_muscles.hpp"
 
 #include <cassert>
 #include <utility>
 
-#include "datasets/synthetic_bones.hpp"
+#include "datasets/synthetic/synthetic_bones.hpp"
 
 namespace musclebench {
 

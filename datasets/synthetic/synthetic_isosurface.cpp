@@ -1,4 +1,4 @@
-#include "datasets/synthetic_isosurface.hpp"
+#include "datasets/synthetic/synthetic_isosurface.hpp"
 
 #include <algorithm>
 #include <array>

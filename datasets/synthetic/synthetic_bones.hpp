@@ -1,6 +1,6 @@
 #pragma once
 
-#include "datasets/synthetic_field.hpp"
+#include "datasets/synthetic/synthetic_field.hpp"
 
 namespace musclebench {
 

@@ -1,4 +1,4 @@
-#include "datasets/synthetic_surface.hpp"
+#include "datasets/synthetic/synthetic_surface.hpp"
 
 #include <cstdint>
 #include <unordered_map>

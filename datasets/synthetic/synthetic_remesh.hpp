@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/mesh/triangle_mesh.hpp"
-#include "datasets/synthetic_field.hpp"
+#include "datasets/synthetic/synthetic_field.hpp"
 
 namespace musclebench {
 

@@ -1,4 +1,4 @@
-#include "datasets/synthetic_remesh.hpp"
+#include "datasets/synthetic/synthetic_remesh.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include <Eigen/Geometry>
 
-#include "datasets/synthetic_surface.hpp"
+#include "datasets/synthetic/synthetic_surface.hpp"
 
 namespace musclebench {
 

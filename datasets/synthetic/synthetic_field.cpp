@@ -1,4 +1,4 @@
-#include "datasets/synthetic_field.hpp"
+#include "datasets/synthetic/synthetic_field.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "datasets/synthetic_field.hpp"
+#include "datasets/synthetic/synthetic_field.hpp"
 
 namespace musclebench {
 
