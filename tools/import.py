@@ -72,8 +72,10 @@ def make(options) -> int:
     kinds = ", ".join(counted(len(result.surfaces(kind)), kind) for kind in ("bone", "cartilage", "muscle"))
     such_as = f", such as {options.out / scenes[0]}" if scenes else ""
     print(f"{options.out}: {kinds}, unit {result.unit}; {counted(len(scenes), 'scene')}{such_as}; see README.md there")
+    if result.carried:
+        print(f"Places of the map were carried to this body: {result.carried}.")
     print(f"Licence: {anatomy.licence}{': not for commercial use' if anatomy.is_non_commercial else ''}." + "".join(f"\nCite: {one}" for one in anatomy.cite))
-    if not scenes:
+    if not scenes and any(kind == "muscle" for kind, _ in anatomy.rules):
         result.problems.append(f"{options.map}: no scene: no muscle is attached to a bone that a joint moves and to one that stays; see README.md there")
     tell(result.problems)
     return CODE_PARTLY if result.problems else 0

@@ -213,7 +213,8 @@ std::string RequiredFigure::text() const {
       return fmt::format("{} {}{}", value_text(), value == 1 ? of_one(where) : where, wanted);
     case Requirement::bone_depth:
     case Requirement::muscle_depth:
-      return fmt::format("{} {} {} deep{}", where, is_bound ? "may be" : "is", value_text(), wanted);
+      return fmt::format("{} {} {} deep{}{}", where, is_bound ? "may be" : "is", value_text(), wanted,
+                         is_bound ? "; the Referee's budget did not suffice: more substeps pay for it" : "");
     case Requirement::trusted_run:
       return "the run " + where;
     case Requirement::returned_shape:

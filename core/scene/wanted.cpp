@@ -20,7 +20,9 @@ ParameterSpec length_mm(const char* name, double default_mm, double least_mm, co
 
 std::vector<ParameterSpec> wanted_parameters() {
   const Wanted usual;
-  return {length_mm("surface_mm", mm_per_m * usual.surface_m, 1e-6,
+  // The Referee looks for the deepest point of a face to about a tenth of this.
+  constexpr double least_depth_mm = 1e-3;
+  return {length_mm("surface_mm", mm_per_m * usual.surface_m, least_depth_mm,
                     "how deep a point of a muscle may be in a bone or in another muscle"),
           parameter::number({.name = "volume_percent",
                              .unit = "%",

@@ -260,6 +260,30 @@ def test_left_and_right_are_not_mixed(tmp_path, capsys):
         assert sorted(one.name for one in find_files(tmp_path / "folder", anatomy)[0]) == names
 
 
+@pytest.mark.parametrize(("name", "files", "parts"), [
+    ("bodyparts3d", ["FMA16586.stl", "FMA24474.stl", "FMA24475.stl", "FMA22322.stl", "FMA2232.stl"], {"hip_bone", "femur", "iliacus"}),
+    ("vsdfullbody", ["Hip_R.ply", "Hip_L.ply", "Femur_R.ply", "Sacrum.ply"], {"hip", "femur"}),
+    ("visible_human_hip", ["VHM_Right_Bone_Femur_smooth.stl", "VHM_Right_Cartilage_FemurHead_smooth.stl", "VHM_Right_Muscle_Illiacus_smooth.stl",
+                           "VHM_Left_Bone_Femur_smooth.stl", "VHM_Right_Muscle_SuperiorGemellus_smooth.stl", "VHM_Right_Muscle_Soleus_smooth.stl"],
+     {"femur", "femur_head_cartilage", "iliacus", "superior_gemellus"}),
+    ("visible_human_female", ["VHF_Right_Bone_Talus_smooth.stl", "VHF_Right_Bone_Femur_smooth.stl", "VHF_Right_Muscle_Soleus_smooth.stl",
+                              "VHF_Right_Muscle_Popliteus_smooth.stl", "VHF_Right_Muscle_ExtensorHallucisLongus_smooth.stl"],
+     {"talus", "soleus", "extensor_hallucis_longus"}),
+])
+def test_maps_know_the_names_of_their_data(tmp_path, name, files, parts):
+    for file in files:
+        (tmp_path / file).touch()
+    found, problems = find_files(tmp_path, read_map(PROJECT / "datasets" / "maps" / f"{name}.toml"))
+    assert {one.name for one in found} == parts and problems == []
+
+
+def test_bones_alone_are_an_import_without_scenes(knee, tmp_path, capsys):
+    bones_only = re.sub(r"muscle = .*\n", "", MAP)
+    assert run(knee, tmp_path / "out", text=bones_only) == 0
+    assert "0 scenes" in capsys.readouterr().out and not list((tmp_path / "out").rglob("scenes/*"))
+    assert "Joint knee" in (tmp_path / "out" / "README.md").read_text()
+
+
 @pytest.mark.parametrize("suffix", WRITERS)
 def test_all_formats_are_read_alike(tmp_path, suffix):
     surface = mend(read_mesh(write(ball(12.5, (1, 2, 3)), tmp_path / f"ball{suffix}")), "ball").surface

@@ -84,6 +84,7 @@ TEST(FiguresOfFrame, WhatAJudgementLeftOpenCountsByItsBound) {
   const RequiredFigure open = found(figures_of_frame(scene, frame, rest_of_two()), Requirement::bone_depth);
   EXPECT_EQ(open.value, 6e-4);
   EXPECT_NE(open.text().find("may be 0.6 mm deep"), std::string::npos) << open.text();
+  EXPECT_NE(open.text().find("more substeps"), std::string::npos) << open.text();
 }
 
 /// A frame that was only followed tells of its nodes and of nothing else.

@@ -75,6 +75,8 @@ class AnatomyMap:
     joints: list[JointWords] = field(default_factory=list)
     scene: str = ""  # tables of each scene, instead of those that ask by trial
     together: str = ""  # tables of the scenes of several muscles
+    reference: Path | None = None  # meshes of the body that places were read off
+    reference_unit: str = "mm"  # of these places
 
 
 def read_map(path: Path) -> AnatomyMap:
@@ -84,7 +86,7 @@ def read_map(path: Path) -> AnatomyMap:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise Problem(f"{path}: is not valid TOML ({error})") from None
     table.allow_only("title", "licence", "non_commercial", "cite", "source", "unit", "side", "error_mm", "near_mm", "files", "muscle", "joint",
-                     "scene", "together")
+                     "scene", "together", "reference")
     files = table.table("files")
     files.allow_only(*KINDS, "names")
     rules = [(kind, _pattern(files, kind, text)) for kind in KINDS for text in files.words(kind)]
@@ -104,10 +106,17 @@ def read_map(path: Path) -> AnatomyMap:
     for kind, named in (("muscle", [one.name for one in muscles]), ("joint", [one.name for one in joints])):
         if twice := next((name for name in named if named.count(name) > 1), None):
             raise Problem(f"{path}: {kind} '{twice}' stands there twice; write one table for it")
+    reference = table.table("reference")
+    reference.allow_only("meshes", "unit")
+    meshes = (path.parent / reference.word("meshes")).resolve() if reference.values else None
+    if meshes is not None and not meshes.is_dir():
+        raise Problem(f"{reference.at('meshes')}: {meshes} is no folder; name the folder `meshes` of an import, from the map's folder on")
+    if (reference_unit := reference.word("unit", "mm")) not in UNITS:
+        raise Problem(f"{reference.at('unit')}: has to be one of {', '.join(UNITS)}")
     return AnatomyMap(
         path, table.word("title"), licence, table.words("cite"), table.word("source", ""), bool(is_non_commercial), unit, table.word("side", ""), rules,
         renamed, table.positive("error_mm", 0.1), table.positive("near_mm", 1.5), muscles, joints,
-        table.tables_text("scene"), table.tables_text("together"))
+        table.tables_text("scene"), table.tables_text("together"), meshes, reference_unit)
 
 
 def _pattern(files: MapTable, kind: str, text: str) -> re.Pattern[str]:

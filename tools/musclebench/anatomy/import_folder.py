@@ -36,7 +36,7 @@ def write_import(folder: Path, result: Anatomy, anatomy: AnatomyMap) -> list[Pat
     (folder / AREAS_FILE).write_text(areas_json(result.muscles), encoding="utf-8")
     scenes = []
     joints: list[Joint | None] = [*result.joints] or [None]
-    for joint in joints:
+    for joint in joints if result.muscles else []:
         moved = [muscle for muscle in result.muscles if joint is None or is_moved(muscle, joint)]
         kind = Path("scenes") / (joint.name if joint else "rest")
         (folder / kind).mkdir(parents=True)
@@ -77,7 +77,7 @@ def as_json(result: Anatomy, anatomy: AnatomyMap) -> dict[str, object]:
                     "deepest_mm": joint.deepest} for joint in result.joints],
         "overlaps": [{"muscle": one.muscle, "other": one.other, "triangles": one.triangles, "nodes": one.nodes,
                       "deepest_mm": one.deepest} for one in result.overlaps],
-        "passing_triangles": result.passing,
+        "passing_triangles": result.passing, "carried": result.carried,
         "not_imported": result.problems,
     }
 
@@ -92,7 +92,9 @@ def readme(result: Anatomy, anatomy: AnatomyMap) -> str:
         deep = [f"which is {part.tendon_in_bone[1]:.1f} mm deep in {part.tendon_in_bone[0]}"] if part.tendon_in_bone[0] else []
         words = [*part.repairs, *tendon, *deep]
         lines.append(f"| {name} | {part.found.kind} | {part.raw_triangles} | {len(part.surface.triangles)} | {part.error_mm:.3f} | {'; '.join(words) or '-'} |")
-    lines += ["", "| muscle | end | bone | nodes | mean distance (mm) |", "| --- | --- | --- | ---: | ---: |"]
+    if result.carried:
+        lines += ["", f"Places of the map were read off another body and carried to this one: {result.carried}."]
+    lines += ["", "| muscle | end | bone | nodes | mean distance (mm) |", "| --- | --- | --- | ---: | ---: |"] if result.muscles else []
     lines += [f"| {muscle.name} | {area.role} | {area.bone} | {len(area.nodes)} | {area.mean_gap:.2f} |"
               for muscle in result.muscles for area in muscle.areas]
     for joint in result.joints:

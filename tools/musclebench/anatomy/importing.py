@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 from ..program.cli import Problem
 from .anatomy_map import UNITS, AnatomyMap, MuscleWords
 from .attaching import Area, areas_near_bones, check_muscle, distances_to, end_of_tendon, moved_out
+from .carried import carried
 from .found_files import Found
 from .joints import Joint, made_joint
 from .mesh_file import Mended, mend, read_mesh
@@ -51,6 +52,7 @@ class Anatomy:
     overlaps: list[Overlap]  # before they were moved apart
     problems: list[str] = field(default_factory=list)
     passing: int = 0  # triangles of muscles that pass through others all the same
+    carried: str = ""  # what was done with the map's places
     without_tendons: dict[str, tuple[Surface, float]] = field(default_factory=dict)  # what a muscle was, and its tendon's radius
 
     def surfaces(self, *kinds: str) -> dict[str, Surface]:
@@ -67,6 +69,10 @@ def import_anatomy(files: list[Found], anatomy: AnatomyMap, problems: list[str],
     parts = _mended(raw, UNITS[unit], problems, say)
     _check_names(anatomy, parts, is_whole, problems)
     result = Anatomy(unit, parts, [], [], [], problems)
+    if anatomy.reference is not None:
+        say("carrying the map's places to this body")
+        if other := carried(anatomy, result.surfaces("bone", "cartilage"), unit):
+            anatomy, result.carried = other.anatomy, other.words
     _add_tendons(result, anatomy, say)
     _decimate(result, anatomy.error_mm, say)
     say("fitting joints")

@@ -1,0 +1,145 @@
+"""Places that a map tells were read off one body. Of another one they are carried along, bone by bone, from the left to the right
+side, too."""
+
+from copy import deepcopy
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ..program.cli import Problem
+from .anatomy_map import UNITS, AnatomyMap
+from .mesh_file import read_mesh
+from .surface import Points, SignedDistance, Surface, sample_points
+
+SAME_MM = 0.5  # a bone whose middle is nearer than that to the reference's is the reference's own
+FEWEST_BONES = 4  # that tell where a body lies, and which side it is
+MOST_OFF = 0.15  # RMS of the middles of bones over how far they are spread: more is another part of the body
+STEPS, MOST_POINTS, KEPT = 400, 2000, 0.9  # of the search for closest points; the farthest tenth may be another shape
+STILL_MM = 1e-3  # a step that moves points by less is the last
+
+
+@dataclass
+class Place:
+    """p' = matrix p + shift; the matrix turns, scales and, from side to side, mirrors. In millimetres."""
+
+    matrix: Points
+    shift: Points
+
+    def __call__(self, points: Points) -> Points:
+        found: Points = points @ self.matrix.T + self.shift
+        return found
+
+    @property
+    def is_mirrored(self) -> bool:
+        return bool(np.linalg.det(self.matrix) < 0)
+
+    def axis(self, direction: Points) -> Points:
+        """Of a rotation: a mirror turns its sense round."""
+        found: Points = np.sign(np.linalg.det(self.matrix)) * self.matrix @ direction
+        return found / np.linalg.norm(found)
+
+
+@dataclass
+class Carried:
+    anatomy: AnatomyMap
+    words: str  # what was done
+
+
+def carried(anatomy: AnatomyMap, solids: dict[str, Surface], unit: str) -> Carried | None:
+    """The map with the places of this body; nothing where it has no reference, or this is the reference. `solids`: bones and cartilage, in
+    millimetres. Raises Problem where the two are no such bodies."""
+    if anatomy.reference is None:
+        return None
+    known = {name: surface for name, surface in _reference(anatomy.reference).items() if name in solids}
+    if len(known) < FEWEST_BONES:
+        raise Problem(f"{anatomy.path}: {len(known)} bones of its reference ({anatomy.reference}) are in the folder, and it takes {FEWEST_BONES} to find "
+                      "out how the two lie; are the bones called alike?")
+    middles = np.array([[_middle(known[name]), _middle(solids[name])] for name in known])
+    if np.linalg.norm(middles[:, 0] - middles[:, 1], axis=1).max() < SAME_MM:
+        return None
+    body = _body_place(middles[:, 0], middles[:, 1], anatomy)
+    bones = {name: _bone_place(surface, solids[name], body) for name, surface in known.items()}
+    words = (f"{'mirrored and ' if body.is_mirrored else ''}scaled by {abs(np.linalg.det(body.matrix)) ** (1 / 3):.3f}; bones then fit to "
+             f"{max(_off(known[name], solids[name], place) for name, place in bones.items()):.1f} mm (RMS) or better")
+    return Carried(_with_places(anatomy, known, bones, body, unit), words)
+
+
+def _reference(folder: Path) -> dict[str, Surface]:
+    if not (files := sorted(folder.glob("*.ply"))):
+        raise Problem(f"{folder}: has no meshes (*.ply); name the folder `meshes` of an import")
+    surfaces = {}
+    for path in files:
+        surface = read_mesh(path)
+        surfaces[path.stem] = Surface(surface.vertices * UNITS["m"], surface.triangles)
+    return surfaces
+
+
+def _middle(surface: Surface) -> Points:
+    middle: Points = np.average(surface.corners.mean(axis=1), axis=0, weights=surface.areas)
+    return middle
+
+
+def fitted(source: Points, target: Points, mirrors: bool) -> Place:
+    """That brings points best onto others, which correspond. Source: Umeyama 1991, IEEE Trans. Pattern Anal. 13, 376."""
+    a, b = source - source.mean(axis=0), target - target.mean(axis=0)
+    u, sizes, v = np.linalg.svd(b.T @ a)
+    signs = np.array([1.0, 1.0, np.sign(np.linalg.det(u @ v)) * (-1 if mirrors else 1)])
+    matrix = (sizes @ signs) / (a * a).sum() * (u * signs) @ v
+    return Place(matrix, target.mean(axis=0) - matrix @ source.mean(axis=0))
+
+
+def _body_place(source: Points, target: Points, anatomy: AnatomyMap) -> Place:
+    def off(place: Place) -> float:
+        return float(np.sqrt(((place(source) - target) ** 2).sum(axis=1).mean()))
+    best = min((fitted(source, target, mirrors) for mirrors in (False, True)), key=off)
+    spread = float(np.sqrt(((target - target.mean(axis=0)) ** 2).sum(axis=1).mean()))
+    if off(best) > MOST_OFF * spread:
+        raise Problem(f"{anatomy.path}: the bones lie otherwise than in its reference ({anatomy.reference}), by {off(best):.0f} mm (RMS); is it the same part "
+                      "of the body?")
+    return best
+
+
+def _bone_place(source: Surface, target: Surface, start: Place) -> Place:
+    """By closest points (Besl and McKay 1992), from where the body lies."""
+    points = source.vertices[:: max(1, len(source.vertices) // MOST_POINTS)]
+    others = sample_points(target)
+    tree, place, there = cKDTree(others), start, start(points)
+    for _ in range(STEPS):
+        distances, nearest = tree.query(there)
+        near = distances <= np.quantile(distances, KEPT)
+        place = fitted(points[near], others[nearest[near]], start.is_mirrored)
+        before, there = there, place(points)
+        if np.abs(there - before).max() < STILL_MM:
+            break
+    return place
+
+
+def _off(source: Surface, target: Surface, place: Place) -> float:
+    return float(np.sqrt((SignedDistance(target)(place(source.vertices)) ** 2).mean()))
+
+
+def _with_places(anatomy: AnatomyMap, known: dict[str, Surface], bones: dict[str, Place], body: Place, unit: str) -> AnatomyMap:
+    result = deepcopy(anatomy)
+    into_mm, into_file = UNITS[anatomy.reference_unit], 1 / UNITS[unit]
+    fields = {name: SignedDistance(surface) for name, surface in known.items()}
+
+    def place_of(bone: str, point: Points) -> Points:
+        """With that bone, or with the nearest."""
+        at = (point * into_mm)[None]
+        nearest = bone if bone in bones else min(fields, key=lambda name: abs(float(fields[name](at)[0])))
+        moved: Points = bones[nearest](at)[0] * into_file
+        return moved
+
+    for joint in result.joints:
+        if joint.axis_towards is not None:
+            joint.axis_towards = body.axis(joint.axis_towards)
+        if joint.axis is not None and joint.centre is not None:
+            joint.axis, joint.centre = body.axis(joint.axis), place_of("", joint.centre)
+    for muscle in result.muscles:
+        if (tendon := muscle.tendon) is not None:
+            tendon.at = place_of(tendon.to, tendon.at)
+            tendon.through = np.array([place_of("", point) for point in tendon.through]).reshape(-1, 3)
+            tendon.rings = [(bone, place_of(bone, at), room) for bone, at, room in tendon.rings]
+    return result

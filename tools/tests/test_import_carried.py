@@ -1,0 +1,124 @@
+"""Places of a map that were read off one body are those of another, which lies elsewhere, is larger, or is of the other side."""
+
+import numpy as np
+import pytest
+import vtk
+
+from musclebench.anatomy.anatomy_map import read_map
+from musclebench.anatomy.carried import carried, fitted
+from musclebench.anatomy.surface import Surface, from_vtk
+from musclebench.lhdl.write_ply import write_ply
+from musclebench.program.cli import Problem
+
+MIDDLES_MM = {"tibia": (0, 0, 300), "fibula": (40, 5, 290), "talus": (5, 10, 100), "calcaneus": (-5, -40, 60), "forefoot": (10, 120, 40)}
+TURN = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))[0]
+MAP = """title = "A leg"
+licence = "CC BY 4.0"
+[files]
+bone = '(?P<name>\\w+)'
+[reference]
+meshes = "reference"
+unit = "cm"
+[[joint]]
+name = "ankle"
+moves = ["talus"]
+axis = [1, 0, 0]
+centre = [0.5, 1.0, 10.0]
+from_deg = 0
+to_deg = 20
+[[muscle]]
+name = "soleus"
+[muscle.tendon]
+to = "calcaneus"
+at = [-0.5, -6.0, 6.0]
+through = [[0, -1.0, 12.0]]
+radius_mm = 3
+rings = [{bone = "tibia", at = [0.5, 1.0, 22.0]}]
+"""
+
+
+def bones(matrix=np.eye(3), shift=(0, 0, 0)) -> dict[str, Surface]:
+    found = {}
+    for name, middle in MIDDLES_MM.items():
+        source = vtk.vtkSphereSource()
+        source.SetRadius(1)
+        source.SetThetaResolution(24)
+        source.SetPhiResolution(24)
+        source.Update()
+        one = from_vtk(source.GetOutput())
+        # No symmetry: an egg with three axes.
+        egg = one.vertices * [12, 18, 30] * (1 + 0.3 * one.vertices[:, [2]] + 0.2 * one.vertices[:, [0]] + 0.1 * one.vertices[:, [1]])
+        triangles = one.triangles if np.linalg.det(matrix) > 0 else one.triangles[:, ::-1]
+        found[name] = Surface((egg + middle) @ np.asarray(matrix).T + shift, triangles)
+    return found
+
+
+@pytest.fixture
+def anatomy(tmp_path):
+    (tmp_path / "reference").mkdir()
+    for name, bone in bones().items():
+        write_ply(tmp_path / "reference" / f"{name}.ply", bone.vertices / 1000, bone.triangles.astype(np.int32), ())
+    (tmp_path / "map.toml").write_text(MAP)
+    return read_map(tmp_path / "map.toml")
+
+
+@pytest.mark.parametrize("mirrors", [False, True])
+def test_points_are_fitted_as_they_were_moved(mirrors):
+    points = np.random.default_rng(1).normal(size=(9, 3))
+    mirror = np.diag([-1.0 if mirrors else 1.0, 1, 1])
+    turn = TURN * np.linalg.det(TURN)
+    place = fitted(points, points @ (1.3 * turn @ mirror).T + [1, 2, 3], mirrors)
+    assert place.matrix == pytest.approx(1.3 * turn @ mirror) and place.shift == pytest.approx(np.array([1, 2, 3])) and place.is_mirrored == mirrors
+
+
+@pytest.mark.parametrize(("mirror", "scale"), [(1, 1.1), (-1, 0.9)])
+def test_places_go_along_with_their_bones(anatomy, mirror, scale):
+    matrix, shift = scale * TURN * np.linalg.det(TURN) @ np.diag([mirror, 1, 1]), np.array([50, -700, 20])
+    found = carried(anatomy, bones(matrix, shift), "m")
+    tendon, joint = found.anatomy.muscles[0].tendon, found.anatomy.joints[0]
+    assert ("mirrored" in found.words) == (mirror < 0) and f"scaled by {scale:.3f}" in found.words
+    for place, own in ((tendon.at, [-5, -60, 60]), (tendon.through[0], [0, -10, 120]), (tendon.rings[0][1], [5, 10, 220]), (joint.centre, [5, 10, 100])):
+        assert 1000 * place == pytest.approx(matrix @ own + shift, abs=0.05)
+    # A mirror turns the sense of a rotation round: the foot goes up on both sides.
+    assert joint.axis == pytest.approx(mirror * matrix @ [1, 0, 0] / scale, abs=1e-3)
+    assert anatomy.muscles[0].tendon.at == pytest.approx(np.array([-0.5, -6, 6]))
+
+
+def test_a_bone_that_lies_otherwise_takes_its_places_along(anatomy):
+    """The foot is turned about its middle; the leg is not."""
+    here = bones()
+    angle = np.radians(20)
+    turn = np.array([[1, 0, 0], [0, np.cos(angle), -np.sin(angle)], [0, np.sin(angle), np.cos(angle)]])
+    middle = np.array(MIDDLES_MM["calcaneus"])
+    here["calcaneus"].vertices[:] = (here["calcaneus"].vertices - middle) @ turn.T + middle + [3, 0, 0]
+    tendon, goal = carried(anatomy, here, "mm").anatomy.muscles[0].tendon, turn @ (np.array([-5, -60, 60]) - middle) + middle + [3, 0, 0]
+    assert np.linalg.norm(goal - [-5, -60, 60]) > 7 and np.linalg.norm(tendon.at - goal) < 2
+    assert tendon.rings[0][1] == pytest.approx(np.array([5, 10, 220]), abs=0.1)
+
+
+def test_the_reference_itself_is_left_as_it_is(anatomy):
+    assert carried(anatomy, bones(), "mm") is None
+    anatomy.reference = None
+    assert carried(anatomy, bones(TURN), "mm") is None
+
+
+def test_another_part_of_the_body_is_refused(anatomy):
+    with pytest.raises(Problem, match="1 bones of its reference .* it takes 4"):
+        carried(anatomy, {"tibia": bones()["tibia"], "femur": bones()["talus"]}, "mm")
+    strange = bones()
+    for name, by in (("tibia", (0, 0, -300)), ("forefoot", (0, -200, 100))):
+        strange[name].vertices[:] += by
+    with pytest.raises(Problem, match="lie otherwise than in its reference .* is it the same part"):
+        carried(anatomy, strange, "mm")
+
+
+@pytest.mark.parametrize(("old", "new", "words"), [
+    ('meshes = "reference"', 'meshes = "nowhere"', ["reference.meshes", "is no folder"]),
+    ('unit = "cm"', 'unit = "ell"', ["reference.unit", "mm, cm, m"]),
+    ('unit = "cm"', 'units = "cm"', ["reference.units", "meshes, unit"]),
+])
+def test_a_wrong_reference_is_told_in_one_line(anatomy, tmp_path, old, new, words):
+    (tmp_path / "map.toml").write_text(MAP.replace(old, new))
+    with pytest.raises(Problem) as problem:
+        read_map(tmp_path / "map.toml")
+    assert all(word in str(problem.value) for word in words)
