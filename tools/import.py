@@ -45,6 +45,7 @@ def make(options) -> int:
     for joint in anatomy.joints:
         joint.opensim = joint.opensim and str(options.folder / joint.opensim)
     anatomy.side = options.side or anatomy.side
+    anatomy.title = anatomy.title.replace("{side}", anatomy.side)
     anatomy.error_mm = options.error_mm or anatomy.error_mm
     anatomy.near_mm = options.near_mm or anatomy.near_mm
     out = options.out.resolve()

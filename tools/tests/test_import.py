@@ -16,11 +16,11 @@ import vtk
 from scipy.spatial import cKDTree
 
 from musclebench.anatomy import attaching, units
-from musclebench.anatomy.anatomy_map import read_map
+from musclebench.anatomy.anatomy_map import JointWords, read_map
 from musclebench.anatomy.attaching import Area, areas_near_bones, distances_to, moved_out
 from musclebench.anatomy.found_files import find_files
 from musclebench.anatomy.joint_axis import Axis, articulating_points, fit_cylinder, fit_sphere
-from musclebench.anatomy.joints import turned
+from musclebench.anatomy.joints import made_joint, turned
 from musclebench.anatomy.mesh_file import mend, open_edges, read_mesh
 from musclebench.anatomy.opensim import opensim_axis
 from musclebench.anatomy.resolution import decimated
@@ -342,6 +342,14 @@ def test_axes_are_those_of_the_shapes():
     assert 5 < len(facing) < 300 and facing[:, 2].min() > 5
     axis = Axis(np.array([0, 0, 1.0]), np.array([1.0, 0, 0]), 1, 0)
     assert turned(np.array([[2.0, 0, 5]]), axis, 90)[0] == pytest.approx([1, 1, 5])
+
+
+@pytest.mark.parametrize(("to_deg", "is_wrong"), [(45, True), (5, False)])
+def test_a_joint_that_drives_bones_into_each_other_is_told(to_deg, is_wrong):
+    words = JointWords("ankle", ["talus"], axis=np.array([1.0, 0, 0]), centre=np.array([0, -30.0, 12.5]), to_deg=to_deg)
+    bones = {"talus": ball(10), "tibia": ball(10, (0, 0, 25))}
+    problems = made_joint(words, bones, bones, "mm").problems
+    assert bool(problems) == is_wrong and all("joint ankle: talus in tibia by " in one and "axis or the range is wrong" in one for one in problems)
 
 
 OSIM_4 = """<OpenSimDocument Version="40000"><Model><JointSet><objects><PinJoint name="knee"><socket_parent_frame>thigh_offset</socket_parent_frame>

@@ -77,6 +77,7 @@ def import_anatomy(files: list[Found], anatomy: AnatomyMap, problems: list[str],
     _decimate(result, anatomy.error_mm, say)
     say("fitting joints")
     result.joints = [made_joint(words, result.surfaces("bone", "cartilage"), result.surfaces("bone"), unit) for words in anatomy.joints]
+    problems += [f"{anatomy.path}: {problem}" for joint in result.joints for problem in joint.problems]
     say("finding attachments")
     for name, part in list(parts.items()):
         if part.found.kind == "muscle":

@@ -13,6 +13,7 @@ from .surface import Points, SignedDistance, Surface
 
 FEWEST_POINTS = 20  # that a shape is fitted to
 ANGLES = 9  # at which a joint is looked at
+MOST_DEEPER_MM = 5.0  # that bones may come into each other: joints of published legs stay below it
 
 
 @dataclass
@@ -25,6 +26,12 @@ class Joint:
     from_deg: float
     to_deg: float
     deepest: dict[str, float] = field(default_factory=dict)  # {two bones: how much deeper than at rest they are in each other at most}
+
+    @property
+    def problems(self) -> list[str]:
+        """Bones that come so deep into each other that the axis can't be theirs."""
+        return [f"joint {self.name}: {pair} by {depth:.1f} mm more than at rest: the axis or the range is wrong; look at the meshes that it was fitted to"
+                for pair, depth in self.deepest.items() if depth > MOST_DEEPER_MM]
 
     def places(self, points: Points, count: int) -> list[Points]:
         """Of points of a moved bone, at angles over the range."""
