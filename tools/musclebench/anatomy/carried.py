@@ -15,6 +15,7 @@ from .surface import Points, SignedDistance, Surface, sample_points
 
 SAME_MM = 0.5  # a bone whose middle is nearer than that to the reference's is the reference's own
 FEWEST_BONES = 4  # that tell where a body lies, and which side it is
+LEAST_CLEAR = 1.5  # by which the other side has to fit worse
 MOST_OFF = 0.15  # RMS of the middles of bones over how far they are spread: more is another part of the body
 STEPS, MOST_POINTS, KEPT = 400, 2000, 0.9  # of the search for closest points; the farthest tenth may be another shape
 STILL_MM = 1e-3  # a step that moves points by less is the last
@@ -35,6 +36,10 @@ class Place:
     def is_mirrored(self) -> bool:
         return bool(np.linalg.det(self.matrix) < 0)
 
+    @property
+    def scale(self) -> float:
+        return float(abs(np.linalg.det(self.matrix)) ** (1 / 3))
+
     def axis(self, direction: Points) -> Points:
         """Of a rotation: a mirror turns its sense round."""
         found: Points = np.sign(np.linalg.det(self.matrix)) * self.matrix @ direction
@@ -48,7 +53,7 @@ class Carried:
 
 
 def carried(anatomy: AnatomyMap, solids: dict[str, Surface], unit: str) -> Carried | None:
-    """The map with the places of this body; nothing where it has no reference, or this is the reference. `solids`: bones and cartilage, in
+    """The map with the places of this body; nothing where it has no reference, or this is the reference. `solids`: bones, in
     millimetres. Raises Problem where the two are no such bodies."""
     if anatomy.reference is None:
         return None
@@ -58,10 +63,13 @@ def carried(anatomy: AnatomyMap, solids: dict[str, Surface], unit: str) -> Carri
                       "out how the two lie; are the bones called alike?")
     middles = np.array([[_middle(known[name]), _middle(solids[name])] for name in known])
     if np.linalg.norm(middles[:, 0] - middles[:, 1], axis=1).max() < SAME_MM:
-        return None
+        here = Place(np.eye(3), np.zeros(3))
+        if unit == anatomy.reference_unit:
+            return None
+        return Carried(_with_places(anatomy, known, dict.fromkeys(known, here), here, unit), "in another unit")
     body = _body_place(middles[:, 0], middles[:, 1], anatomy)
     bones = {name: _bone_place(surface, solids[name], body) for name, surface in known.items()}
-    words = (f"{'mirrored and ' if body.is_mirrored else ''}scaled by {abs(np.linalg.det(body.matrix)) ** (1 / 3):.3f}; bones then fit to "
+    words = (f"{'mirrored and ' if body.is_mirrored else ''}scaled by {body.scale:.3f}; bones then fit to "
              f"{max(_off(known[name], solids[name], place) for name, place in bones.items()):.1f} mm (RMS) or better")
     return Carried(_with_places(anatomy, known, bones, body, unit), words)
 
@@ -81,35 +89,38 @@ def _middle(surface: Surface) -> Points:
     return middle
 
 
-def fitted(source: Points, target: Points, mirrors: bool) -> Place:
-    """That brings points best onto others, which correspond. Source: Umeyama 1991, IEEE Trans. Pattern Anal. 13, 376."""
+def fitted(source: Points, target: Points, mirrors: bool, scale: float | None = None) -> Place:
+    """That brings points best onto others, which correspond; the scale is found, or given. Source: Umeyama 1991, IEEE Trans. Pattern Anal. 13, 376."""
     a, b = source - source.mean(axis=0), target - target.mean(axis=0)
     u, sizes, v = np.linalg.svd(b.T @ a)
     signs = np.array([1.0, 1.0, np.sign(np.linalg.det(u @ v)) * (-1 if mirrors else 1)])
-    matrix = (sizes @ signs) / (a * a).sum() * (u * signs) @ v
+    matrix = (scale or (sizes @ signs) / (a * a).sum()) * (u * signs) @ v
     return Place(matrix, target.mean(axis=0) - matrix @ source.mean(axis=0))
 
 
 def _body_place(source: Points, target: Points, anatomy: AnatomyMap) -> Place:
     def off(place: Place) -> float:
         return float(np.sqrt(((place(source) - target) ** 2).sum(axis=1).mean()))
-    best = min((fitted(source, target, mirrors) for mirrors in (False, True)), key=off)
+    best, other = sorted((fitted(source, target, mirrors) for mirrors in (False, True)), key=off)
     spread = float(np.sqrt(((target - target.mean(axis=0)) ** 2).sum(axis=1).mean()))
     if off(best) > MOST_OFF * spread:
         raise Problem(f"{anatomy.path}: the bones lie otherwise than in its reference ({anatomy.reference}), by {off(best):.0f} mm (RMS); is it the same part "
-                      "of the body?")
+                      "of the body in such a pose?")
+    if off(other) < LEAST_CLEAR * off(best):
+        raise Problem(f"{anatomy.path}: the bones do not tell whether this is the side of its reference ({anatomy.reference}) or the other one; "
+                      "import more bones")
     return best
 
 
 def _bone_place(source: Surface, target: Surface, start: Place) -> Place:
-    """By closest points (Besl and McKay 1992), from where the body lies."""
+    """By closest points (Besl and McKay 1992), from where the body lies. With the body's scale: half a bone would shrink the whole one."""
     points = source.vertices[:: max(1, len(source.vertices) // MOST_POINTS)]
     others = sample_points(target)
     tree, place, there = cKDTree(others), start, start(points)
     for _ in range(STEPS):
         distances, nearest = tree.query(there)
         near = distances <= np.quantile(distances, KEPT)
-        place = fitted(points[near], others[nearest[near]], start.is_mirrored)
+        place = fitted(points[near], others[nearest[near]], start.is_mirrored, start.scale)
         before, there = there, place(points)
         if np.abs(there - before).max() < STILL_MM:
             break
@@ -125,18 +136,19 @@ def _with_places(anatomy: AnatomyMap, known: dict[str, Surface], bones: dict[str
     into_mm, into_file = UNITS[anatomy.reference_unit], 1 / UNITS[unit]
     fields = {name: SignedDistance(surface) for name, surface in known.items()}
 
+    def near(point: Points) -> str:
+        return min(fields, key=lambda name: abs(float(fields[name]((point * into_mm)[None])[0])))
+
     def place_of(bone: str, point: Points) -> Points:
         """With that bone, or with the nearest."""
-        at = (point * into_mm)[None]
-        nearest = bone if bone in bones else min(fields, key=lambda name: abs(float(fields[name](at)[0])))
-        moved: Points = bones[nearest](at)[0] * into_file
+        moved: Points = bones[bone if bone in bones else near(point)]((point * into_mm)[None])[0] * into_file
         return moved
 
     for joint in result.joints:
         if joint.axis_towards is not None:
-            joint.axis_towards = body.axis(joint.axis_towards)
+            joint.axis_towards = bones.get(joint.surface, body).axis(joint.axis_towards)
         if joint.axis is not None and joint.centre is not None:
-            joint.axis, joint.centre = body.axis(joint.axis), place_of("", joint.centre)
+            joint.axis, joint.centre = bones[near(joint.centre)].axis(joint.axis), place_of("", joint.centre)
     for muscle in result.muscles:
         if (tendon := muscle.tendon) is not None:
             tendon.at = place_of(tendon.to, tendon.at)

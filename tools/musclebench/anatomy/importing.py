@@ -71,7 +71,7 @@ def import_anatomy(files: list[Found], anatomy: AnatomyMap, problems: list[str],
     result = Anatomy(unit, parts, [], [], [], problems)
     if anatomy.reference is not None:
         say("carrying the map's places to this body")
-        if other := carried(anatomy, result.surfaces("bone", "cartilage"), unit):
+        if other := carried(anatomy, result.surfaces("bone"), unit):
             anatomy, result.carried = other.anatomy, other.words
     _add_tendons(result, anatomy, say)
     _decimate(result, anatomy.error_mm, say)
