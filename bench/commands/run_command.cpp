@@ -174,6 +174,7 @@ void check_options(const RunOptions& options, const BackendEntry& backend, const
 struct Ran {
   int code = 0;
   bool is_suspect = false;
+  bool was_there = false;  ///< an earlier command wrote the result
   /// The folder of results has another case, and a search of all frames may have led to that.
   bool was_put_off = false;
 };
@@ -202,7 +203,8 @@ Ran run_scene(Scene scene, const BackendEntry& backend, const Parameters& parame
   const std::string out = options.out.empty() ? fmt::format("reports/out/runs/raw/{}", id) : options.out;
   if (const auto stored = options.force ? std::nullopt : complete_result(out, id, "frames.csv")) {
     fmt::print("{} with {}: complete already in {} (--force runs it again)\n", scene.name, backend.name, out);
-    return {conclude(scene.name, stored->status, stored->status_detail, options.strict), stored->status == "suspect"};
+    return {conclude(scene.name, stored->status, stored->status_detail, options.strict), stored->status == "suspect",
+            true};
   }
   if (!options.force && pass.may_show_more && std::filesystem::exists(std::filesystem::path(out) / "run.json")) {
     return {.was_put_off = true};
@@ -269,7 +271,8 @@ int run(RunOptions options) {
   const bool is_same =
       std::ranges::equal(again.auto_effects.added, added, {}, &AddedEffect::effect, &AddedEffect::effect);
   if (is_same && !ran.was_put_off) return ran.code;
-  return run_scene(std::move(again), backend, parameters, options, {.replaces = !ran.was_put_off}).code;
+  return run_scene(std::move(again), backend, parameters, options, {.replaces = !ran.was_put_off && !ran.was_there})
+      .code;
 }
 
 }  // namespace
