@@ -11,6 +11,7 @@ from musclebench.anatomy.import_folder import MARK, write_import
 from musclebench.anatomy.importing import import_anatomy
 from musclebench.pictures.in_display import draw_in_display
 from musclebench.program.cli import Problem, run_command
+from musclebench.program.native_module import add_native_module
 from musclebench.program.optional_packages import require
 from musclebench.program.talker import Talker
 from musclebench.program.whole_folder import whole_folder
@@ -40,6 +41,7 @@ def counted(number: int, word: str) -> str:
 def make(options) -> int:
     TOOL.check(options)
     require("vtk")
+    add_native_module(options.musclebench)
     anatomy = read_map(options.map)
     anatomy.unit = options.unit or anatomy.unit
     for joint in anatomy.joints:
@@ -75,6 +77,9 @@ def make(options) -> int:
     print(f"{options.out}: {kinds}, unit {result.unit}; {counted(len(scenes), 'scene')}{such_as}; see README.md there")
     if result.carried:
         print(f"Places of the map were carried to this body: {result.carried}.")
+    for joint in result.joints:
+        if joint.carried:
+            print(f"Joint {joint.name}: {joint.carried}. So its axis is that of the map's reference, carried to this body.")
     print(f"Licence: {anatomy.licence}{': not for commercial use' if anatomy.is_non_commercial else ''}." + "".join(f"\nCite: {one}" for one in anatomy.cite))
     if not scenes and any(kind == "muscle" for kind, _ in anatomy.rules):
         result.problems.append(f"{options.map}: no scene: no muscle is attached to a bone that a joint moves and to one that stays; see README.md there")

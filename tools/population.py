@@ -28,6 +28,7 @@ from musclebench.population.shapes import drawn_amounts
 from musclebench.population.toml_text import toml_text
 from musclebench.program.cli import Problem, run_command
 from musclebench.program.fingerprint import status_when_sealed, write_whole
+from musclebench.program.native_module import add_native_module
 from musclebench.program.optional_packages import require
 from musclebench.program.out_folder import claimed_by_command
 from musclebench.program.registry import read_registry
@@ -199,6 +200,8 @@ def tell(found: Sweep, scenes: MemberScenes, ran: list[SweptCase]) -> int:
 def make(options) -> int:
     TOOL.check(options)
     require("vtk")
+    if not options.report_only:
+        add_native_module(options.musclebench)
     name = Path(options.scene).stem if options.scene.endswith(".toml") else options.scene.replace("/", "-")
     options.out = (options.out or PROJECT / "reports" / "out" / f"population-{name}").absolute()
     say = Talker("population")

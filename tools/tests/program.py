@@ -6,10 +6,24 @@ from pathlib import Path
 
 import pytest
 
+from musclebench.program.cli import Problem
+from musclebench.program.native_module import add_native_module
+
 PROGRAM = os.environ.get("MUSCLEBENCH_BINARY", "")
 PROGRAM = PROGRAM and str(Path(PROGRAM).resolve())
 needs_program = pytest.mark.skipif(
     not PROGRAM, reason="MUSCLEBENCH_BINARY does not name the program (tools/test sets it)")
+
+
+def has_native_module() -> bool:
+    try:
+        add_native_module(Path(PROGRAM))
+        return True
+    except Problem:
+        return False
+
+
+needs_native_module = pytest.mark.skipif(not has_native_module(), reason="MUSCLEBENCH_BINARY names no program with a Python module (pybind11) beside it")
 
 
 def call(*arguments, timeout=120, **options) -> subprocess.CompletedProcess:

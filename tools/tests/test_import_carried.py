@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 import vtk
 
-from musclebench.anatomy.anatomy_map import read_map
+from program import needs_native_module
+from musclebench.anatomy.anatomy_map import JointWords, read_map
 from musclebench.anatomy.carried import Place, _bone_place, carried, fitted
+from musclebench.anatomy.joints import made_joint
 from musclebench.anatomy.surface import Surface, from_vtk
 from musclebench.lhdl.write_ply import write_ply
 from musclebench.program.cli import Problem
 
+pytestmark = needs_native_module
 MIDDLES_MM = {"tibia": (0, 0, 300), "fibula": (40, 5, 290), "talus": (5, 10, 100), "calcaneus": (-5, -40, 60), "forefoot": (10, 120, 40)}
 TURN = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))[0]
 MAP = """title = "A leg"
@@ -102,6 +105,29 @@ def test_the_reference_itself_is_left_as_it_is(anatomy):
     assert converted.muscles[0].tendon.at == pytest.approx(np.array([-5, -60, 60])) and converted.joints[0].axis == pytest.approx([1, 0, 0])
     anatomy.reference = None
     assert carried(anatomy, bones(TURN), "mm") is None
+
+
+def test_a_joint_that_this_body_does_not_tell_is_that_of_the_reference(anatomy, tmp_path, monkeypatch):
+    """The reference has a ball on its talus and a shell around that; this body has none, or one at the wrong place."""
+    ball = bones()["talus"]
+    from_middle = ball.vertices - ball.vertices.mean(axis=0)
+    ball.vertices = 12 * from_middle / np.linalg.norm(from_middle, axis=1)[:, None] + [5, 10, 130]
+    write_ply(tmp_path / "reference" / "dome.ply", ball.vertices / 1000, ball.triangles.astype(np.int32), ())
+    anatomy.joints[0] = JointWords("ankle", ["talus"], fit="sphere", surface="dome", axis_towards=np.array([1.0, 0, 0]), to_deg=20)
+    matrix, shift = TURN * np.linalg.det(TURN) @ np.diag([-1, 1, 1]), np.array([50, -700, 20])
+    here = bones(matrix, shift)
+    words = carried(anatomy, here, "m").anatomy.joints[0]
+    joint = made_joint(words, here, here, "m")
+    assert "there is no dome" in joint.carried and joint.axis.centre == pytest.approx(matrix @ [5, 10, 130] + shift, abs=0.2)
+    assert joint.axis.direction == pytest.approx(-matrix @ [1, 0, 0], abs=1e-3)
+    # A dome in the wrong place: about it the talus comes into the tibia, about the carried axis it does not.
+    middle = matrix @ np.array([90.0, 10, 200]) + shift
+    far = Surface((ball.vertices - [5, 10, 130]) + middle, ball.triangles)
+    words.to_deg = 300
+    alone = JointWords("ankle", ["talus"], fit="sphere", surface="dome", axis_towards=words.axis_towards, to_deg=300)
+    wrong = made_joint(alone, here | {"dome": far}, here, "m")
+    mended = made_joint(words, here | {"dome": far}, here, "m")
+    assert wrong.problems and "talus in tibia" in mended.carried and not mended.problems
 
 
 def test_a_piece_of_a_bone_does_not_shrink_the_whole():

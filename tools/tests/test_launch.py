@@ -135,7 +135,8 @@ def test_what_the_disk_tells_is_told_before_the_build(fresh, name, words, told):
 
 @pytest.mark.parametrize(("name", "words", "calls"), [
     *((name, NEEDED_WORDS.get(name, ()), ["setup", RELEASE])
-      for name in ("accuracy", "budget", "effects", "experiment", "hard", "moment-arms", "nightly", "paper", "population", "safe-step")),
+      for name in ("accuracy", "budget", "effects", "experiment", "hard", "moment-arms", "nightly", "paper", "safe-step")),
+    *((name, NEEDED_WORDS[name], ["setup pybind11-dev", RELEASE]) for name in ("import", "population")),
     ("speed", (), ["setup", "build bench"]),
     ("publish", ("--quick",), ["setup", "build bench"]),
     ("fuzz", ("--seconds", "1"), ["setup clang", "build fuzz"]),

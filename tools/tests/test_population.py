@@ -16,7 +16,7 @@ import vtk
 import experiment
 import population
 from musclebench.anatomy.mesh_file import mend
-from musclebench.anatomy.surface import SignedDistance, Surface, from_vtk, merged
+from musclebench.anatomy.surface import SignedDistance, Surface, as_vtk, from_vtk, merged
 from musclebench.lhdl.write_ply import write_ply
 from musclebench.population.base_scene import BaseScene, read_base_scene
 from musclebench.population.deformation import (
@@ -30,7 +30,7 @@ from musclebench.population.shape_words import read_shape
 from musclebench.population.shapes import drawn_amounts
 from musclebench.population.toml_text import toml_text
 from musclebench.program.cli import Problem
-from program import PROGRAM, call, needs_program
+from program import PROGRAM, call, needs_native_module, needs_program
 
 PROJECT = Path(__file__).resolve().parents[2]
 
@@ -107,15 +107,30 @@ def test_what_is_carried_along_follows_affine_maps_and_stays_between():
     assert near_low[2] == pytest.approx(0.0245, abs=3e-4) and near_high[2] == pytest.approx(0.0795, abs=3e-4)
 
 
+def above(surface: Surface, height: float) -> Surface:
+    """What is cut off there, closed."""
+    plane = vtk.vtkPlane()
+    plane.SetOrigin(0, 0, height)
+    plane.SetNormal(0, 0, 1)
+    planes = vtk.vtkPlaneCollection()
+    planes.AddItem(plane)
+    cut = vtk.vtkClipClosedSurface()
+    cut.SetInputData(as_vtk(surface))
+    cut.SetClippingPlanes(planes)
+    cut.Update()
+    return mend(from_vtk(cut.GetOutput()), "socket").surface
+
+
 def hip(head=0.02, gap=0.001) -> BaseScene:
     """A ball in a socket, which turns about x."""
     socket = ball(head + gap, cells=60)
     wall = merged([ball(head + gap + 0.01, cells=60), Surface(socket.vertices, socket.triangles[:, ::-1])])
-    upper = Surface(wall.vertices, wall.triangles[wall.corners[:, :, 2].min(axis=1) > -0.002])
+    upper = above(wall, -0.002)
     tables = {"bone": [{"name": "pelvis"}, {"name": "femur", "motion": {"axis": [2.0, 0, 0], "centre_m": [0.001, 0, 0]}}]}
     return BaseScene("hip", tables, {"pelvis": upper, "femur": merged([ball(head, cells=60), ball(0.01, (0, 0, -0.1))])}, {})
 
 
+@needs_native_module
 def test_an_axis_is_fitted_anew_where_the_bones_tell_it():
     (joint,) = joints_of(hip())
     assert joint.shape == "sphere" and joint.fitted.radius == pytest.approx(20, abs=0.2) and "refitted by a sphere" in joint.words
@@ -241,6 +256,7 @@ def with_cord() -> BaseScene:
     return base
 
 
+@needs_native_module
 def test_what_a_scene_names_goes_along(tmp_path):
     base = with_cord()
     family = Family(base, [read_shape("scale=50")], seed=2)
@@ -262,6 +278,7 @@ def test_what_a_scene_names_goes_along(tmp_path):
     assert same["attachment"][0]["distance_m"] == 0.003 and same["bone"][1]["motion"] == base.tables["bone"][1]["motion"]
 
 
+@needs_native_module
 def test_a_folder_is_of_one_population(tmp_path):
     options = SimpleNamespace(out=tmp_path, shape=[read_shape("size=5")], seed=1, force=False, scene="hip")
     population.claim(options, with_cord())

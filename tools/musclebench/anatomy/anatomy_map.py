@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..program.cli import Problem
+from .joint_axis import Axis
 from .map_table import MapTable
 from .rings import ROOM_MM
 from .surface import Points
@@ -53,6 +54,7 @@ class JointWords:
     surface: str = ""  # that is fitted, where it faces `facing`
     facing: str = ""
     axis_towards: Points | None = None  # which of its two directions is positive
+    otherwise: Axis | None = None  # of the reference, carried to this body: for one whose own surfaces tell none. In millimetres
     from_deg: float = 0.0
     to_deg: float = 0.0
 

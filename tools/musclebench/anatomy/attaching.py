@@ -31,7 +31,7 @@ class Area:
 
 def distances_to(muscle: Surface, bones: dict[str, Surface], reach: float) -> dict[str, Values]:
     """{bone: signed distance of each node, negative inside}; infinite where it is farther than `reach` from the bone's box."""
-    return {name: SignedDistance(bone).within(muscle.vertices, reach) for name, bone in bones.items()}
+    return {name: bone.distance.within(muscle.vertices, reach) for name, bone in bones.items()}
 
 
 def areas_near_bones(muscle: Surface, distances: dict[str, Values], near: float, roles: dict[str, str], allowed: NDArray[np.bool_]) -> list[Area]:
@@ -92,7 +92,7 @@ def end_of_tendon(muscle: Surface, bone: str, distance: Values, end: Points, rad
 def moved_out(muscle: Surface, bones: dict[str, Surface], areas: list[Area]) -> tuple[Surface, list[str]]:
     """With the nodes that nothing holds moved out of bones; in words, how many they are and how far they moved, and whether some are
     still inside: between two bones there may be no room."""
-    fields = [SignedDistance(bone) for bone in bones.values()]
+    fields = [bone.distance for bone in bones.values()]
     is_free = np.ones(len(muscle.vertices), dtype=bool)
     for area in areas:
         is_free[area.nodes] = False

@@ -1,6 +1,7 @@
 """Places that a map tells were read off one body. Of another one they are carried along, bone by bone, from the left to the right
 side, too."""
 
+from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,9 +10,11 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..program.cli import Problem
-from .anatomy_map import UNITS, AnatomyMap
+from .anatomy_map import UNITS, AnatomyMap, JointWords
+from .joint_axis import Axis
+from .joints import fitted_axis
 from .mesh_file import read_mesh
-from .surface import Points, SignedDistance, Surface, sample_points
+from .surface import Points, Surface, sample_points
 
 SAME_MM = 0.5  # a bone whose middle is nearer than that to the reference's is the reference's own
 FEWEST_BONES = 4  # that tell where a body lies, and which side it is
@@ -57,7 +60,8 @@ def carried(anatomy: AnatomyMap, solids: dict[str, Surface], unit: str) -> Carri
     millimetres. Raises Problem where the two are no such bodies."""
     if anatomy.reference is None:
         return None
-    known = {name: surface for name, surface in _reference(anatomy.reference).items() if name in solids}
+    reference = _reference(anatomy.reference)
+    known = {name: surface for name, surface in reference.items() if name in solids}
     if len(known) < FEWEST_BONES:
         raise Problem(f"{anatomy.path}: {len(known)} bones of its reference ({anatomy.reference}) are in the folder, and it takes {FEWEST_BONES} to find "
                       "out how the two lie; are the bones called alike?")
@@ -66,12 +70,12 @@ def carried(anatomy: AnatomyMap, solids: dict[str, Surface], unit: str) -> Carri
         here = Place(np.eye(3), np.zeros(3))
         if unit == anatomy.reference_unit:
             return None
-        return Carried(_with_places(anatomy, known, dict.fromkeys(known, here), here, unit), "in another unit")
+        return Carried(_with_places(anatomy, reference, dict.fromkeys(known, here), here, unit), "in another unit")
     body = _body_place(middles[:, 0], middles[:, 1], anatomy)
     bones = {name: _bone_place(surface, solids[name], body) for name, surface in known.items()}
     words = (f"{'mirrored and ' if body.is_mirrored else ''}scaled by {body.scale:.3f}; bones then fit to "
              f"{max(_off(known[name], solids[name], place) for name, place in bones.items()):.1f} mm (RMS) or better")
-    return Carried(_with_places(anatomy, known, bones, body, unit), words)
+    return Carried(_with_places(anatomy, reference, bones, body, unit), words)
 
 
 def _reference(folder: Path) -> dict[str, Surface]:
@@ -128,13 +132,13 @@ def _bone_place(source: Surface, target: Surface, start: Place) -> Place:
 
 
 def _off(source: Surface, target: Surface, place: Place) -> float:
-    return float(np.sqrt((SignedDistance(target)(place(source.vertices)) ** 2).mean()))
+    return float(np.sqrt((target.distance(place(source.vertices)) ** 2).mean()))
 
 
-def _with_places(anatomy: AnatomyMap, known: dict[str, Surface], bones: dict[str, Place], body: Place, unit: str) -> AnatomyMap:
+def _with_places(anatomy: AnatomyMap, reference: dict[str, Surface], bones: dict[str, Place], body: Place, unit: str) -> AnatomyMap:
     result = deepcopy(anatomy)
     into_mm, into_file = UNITS[anatomy.reference_unit], 1 / UNITS[unit]
-    fields = {name: SignedDistance(surface) for name, surface in known.items()}
+    fields = {name: reference[name].distance for name in bones}
 
     def near(point: Points) -> str:
         return min(fields, key=lambda name: abs(float(fields[name]((point * into_mm)[None])[0])))
@@ -145,6 +149,8 @@ def _with_places(anatomy: AnatomyMap, known: dict[str, Surface], bones: dict[str
         return moved
 
     for joint in result.joints:
+        if joint.fit:
+            joint.otherwise = _carried_axis(joint, reference, lambda centre_mm: bones[near(centre_mm / into_mm)])
         if joint.axis_towards is not None:
             joint.axis_towards = bones.get(joint.surface, body).axis(joint.axis_towards)
         if joint.axis is not None and joint.centre is not None:
@@ -155,3 +161,13 @@ def _with_places(anatomy: AnatomyMap, known: dict[str, Surface], bones: dict[str
             tendon.through = np.array([place_of("", point) for point in tendon.through]).reshape(-1, 3)
             tendon.rings = [(bone, place_of(bone, at), room) for bone, at, room in tendon.rings]
     return result
+
+
+def _carried_axis(words: JointWords, reference: dict[str, Surface], place_at: Callable[[Points], Place]) -> Axis | None:
+    """What is fitted to the reference; nothing where that has no such surface either."""
+    try:
+        axis = fitted_axis(words, reference)
+    except Problem:
+        return None
+    place = place_at(axis.centre)
+    return Axis(place.axis(axis.direction), place(axis.centre[None])[0])

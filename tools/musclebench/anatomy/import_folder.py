@@ -74,10 +74,10 @@ def as_json(result: Anatomy, anatomy: AnatomyMap) -> dict[str, object]:
                         for muscle in result.muscles for area in muscle.areas],
         "joints": [{"name": joint.name, "moves": joint.moves, "axis": joint.axis.direction.tolist(), "centre_mm": joint.axis.centre.tolist(),
                     "radius_mm": joint.axis.radius, "rms_mm": joint.axis.rms, "from_deg": joint.from_deg, "to_deg": joint.to_deg,
-                    "deepest_mm": joint.deepest} for joint in result.joints],
+                    "deepest_mm": joint.deepest, "axis_carried_because": joint.carried} for joint in result.joints],
         "overlaps": [{"muscle": one.muscle, "other": one.other, "triangles": one.triangles, "nodes": one.nodes,
                       "deepest_mm": one.deepest} for one in result.overlaps],
-        "passing_triangles": result.passing, "carried": result.carried,
+        "passing_triangles": sum(one.triangles for one in result.left), "carried": result.carried,
         "not_imported": result.problems,
     }
 
@@ -98,14 +98,16 @@ def readme(result: Anatomy, anatomy: AnatomyMap) -> str:
     lines += [f"| {muscle.name} | {area.role} | {area.bone} | {len(area.nodes)} | {area.mean_gap:.2f} |"
               for muscle in result.muscles for area in muscle.areas]
     for joint in result.joints:
-        fitted = f", fitted with a radius of {joint.axis.radius:.1f} mm, {joint.axis.rms:.2f} mm off (RMS)" if joint.axis.rms is not None else ""
+        carried = f", about the axis of the map's reference, carried to this body ({joint.carried})" if joint.carried else ""
+        fitted = f", fitted with a radius of {joint.axis.radius:.1f} mm, {joint.axis.rms:.2f} mm off (RMS)" if joint.axis.rms is not None else carried
         pairs = "; ".join(f"{pair} by {depth:.1f} mm" for pair, depth in joint.deepest.items())
         lines += ["", f"Joint {joint.name}: {joint.from_deg:g} to {joint.to_deg:g} degrees{fitted}. "
                   f"Bones come deeper into each other than at rest: {pairs or 'nowhere'}."]
         if stays := [muscle.name for muscle in result.muscles if not is_moved(muscle, joint)]:
             lines += ["", f"These do not cross it and have no scene: {', '.join(stays)}."]
     if result.overlaps:
-        left = f"{result.passing} of their triangles still pass through each other" if result.passing else "nothing passes through another muscle now"
+        passing = sum(one.triangles for one in result.left)
+        left = f"{passing} of their triangles still pass through each other" if passing else "nothing passes through another muscle now"
         lines += ["", f"These overlapped, and were moved apart; {left}.", ""]
         lines += ["| muscle | and | triangles that passed | nodes inside | deepest (mm) |", "| --- | --- | ---: | ---: | ---: |"]
         lines += [f"| {one.muscle} | {one.other} | {one.triangles} | {one.nodes} | {one.deepest:.2f} |" for one in result.overlaps]

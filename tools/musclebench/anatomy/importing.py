@@ -19,7 +19,7 @@ from .overlaps import Overlap, moved_apart, overlaps_of
 from .resolution import decimated
 from .rings import ring_around
 from .scene_files import MusclePart
-from .surface import Points, SignedDistance, Surface, sample_points
+from .surface import Points, Surface, sample_points
 from .tendon import Tendon, deepest_in_bones, reach_of_blend, reach_of_tendon, tendon_path, with_tendon
 from .units import unit_of
 
@@ -51,7 +51,7 @@ class Anatomy:
     joints: list[Joint]
     overlaps: list[Overlap]  # before they were moved apart
     problems: list[str] = field(default_factory=list)
-    passing: int = 0  # triangles of muscles that pass through others all the same
+    left: list[Overlap] = field(default_factory=list)  # after it
     carried: str = ""  # what was done with the map's places
     without_tendons: dict[str, tuple[Surface, float]] = field(default_factory=dict)  # what a muscle was, and its tendon's radius
 
@@ -86,6 +86,9 @@ def import_anatomy(files: list[Found], anatomy: AnatomyMap, problems: list[str],
     if result.overlaps:
         say("moving muscles apart that overlap")
         _move_apart(result)
+        problems += [f"{anatomy.path}: {one.muscle} and {one.other} still pass through each other near ({', '.join(f'{x:.0f}' for x in one.at)}) mm, with "
+                     f"{one.triangles} triangles: lead their tendons beside each other, or attach fewer nodes (near_mm); alone each is as it should be"
+                     for one in result.left if one.at is not None]
     _add_rings(result, anatomy)
     return result
 
@@ -97,8 +100,8 @@ def _move_apart(result: Anatomy) -> None:
     for muscle in result.muscles:
         if farthest := moves.get(muscle.name, 0.0):
             result.parts[muscle.name].repairs.append(f"nodes moved out of other muscles, by up to {farthest:.2f} mm")
-            muscle.surface.vertices[:] = moved_out(muscle.surface, result.surfaces("bone", "cartilage"), muscle.areas)[0].vertices
-    result.passing = sum(one.triangles for one in overlaps_of(muscles))
+            muscle.surface.vertices = moved_out(muscle.surface, result.surfaces("bone", "cartilage"), muscle.areas)[0].vertices
+    result.left = overlaps_of(muscles)
 
 
 def _read(files: list[Found], problems: list[str], say: Say) -> list[tuple[Found, Surface]]:
@@ -128,8 +131,10 @@ def _mended(raw: list[tuple[Found, Surface]], factor: float, problems: list[str]
 def _check_names(anatomy: AnatomyMap, parts: dict[str, Part], is_whole: bool, problems: list[str]) -> None:
     """Raises Problem for a bone that the folder has not; a muscle of the map that is not there is told."""
     solid = [name for name, part in parts.items() if part.found.kind != "muscle"]
-    for place, name in [(f"joint {joint.name}", name) for joint in anatomy.joints for name in (*joint.moves, joint.surface, joint.facing) if name]:
-        if name not in solid:
+    fitted = anatomy.joints if anatomy.reference is None else []  # a reference tells the axis otherwise
+    for place, name in [(f"joint {joint.name}", name) for joint in anatomy.joints for name in joint.moves] + [
+            (f"joint {joint.name}", name) for joint in fitted for name in (joint.surface, joint.facing)]:
+        if name and name not in solid:
             raise Problem(f"{anatomy.path}: {place} names '{name}', and there is no such bone or cartilage; there are {', '.join(sorted(solid))}")
     for words in anatomy.muscles:
         if words.name not in parts and is_whole:
@@ -151,7 +156,7 @@ def _add_tendons(result: Anatomy, anatomy: AnatomyMap, say: Say) -> None:
             continue
         say(f"adding the tendon of {words.name}")
         factor = UNITS[result.unit]
-        at = SignedDistance(bones[words.tendon.to]).nearest(words.tendon.at * factor)
+        at = bones[words.tendon.to].distance.nearest(words.tendon.at * factor)
         tendon = Tendon(words.tendon.to, at, words.tendon.through * factor, words.tendon.radius)
         try:
             if (moved := float(np.linalg.norm(at - words.tendon.at * factor))) > FARTHEST_END_MM:
@@ -187,7 +192,7 @@ def _gap_beside_tendon(muscle: Surface, part: Part, radius: float) -> float:
     gaps = []
     for points, other in ((sample_points(muscle), part.surface), (sample_points(part.surface), muscle)):
         to_tendon = cKDTree(part.tendon).query(points, distance_upper_bound=reach_of_tendon(radius) + 1.0)[0]
-        gaps.append(float(np.abs(SignedDistance(other)(points[~np.isfinite(to_tendon)])).max()))
+        gaps.append(float(np.abs(other.distance(points[~np.isfinite(to_tendon)])).max()))
     return max(gaps)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ..program.cli import Problem
-from .surface import Points, SignedDistance, Surface
+from .surface import Points, Surface
 
 UNCERTAIN = 0.2  # cosine of an angle
 FACING_MM = 6.0  # a point of the surface articulates where the other one is as near
@@ -26,7 +26,7 @@ def articulating_points(surface: Surface, facing: Surface | None) -> Points:
     centres: Points = corners.mean(axis=1)
     if facing is None:
         return centres
-    distance = SignedDistance(facing)
+    distance = facing.distance
     gaps = distance.within(centres, FACING_MM)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     near = np.flatnonzero(gaps < FACING_MM)

@@ -9,7 +9,7 @@ from ..program.cli import Problem
 from .anatomy_map import UNITS, JointWords
 from .joint_axis import Axis, articulating_points, fit_cylinder, fit_sphere
 from .opensim import opensim_axis
-from .surface import Points, SignedDistance, Surface
+from .surface import Points, Surface
 
 FEWEST_POINTS = 20  # that a shape is fitted to
 ANGLES = 9  # at which a joint is looked at
@@ -26,6 +26,7 @@ class Joint:
     from_deg: float
     to_deg: float
     deepest: dict[str, float] = field(default_factory=dict)  # {two bones: how much deeper than at rest they are in each other at most}
+    carried: str = ""  # why its axis is that of the map's reference
 
     @property
     def problems(self) -> list[str]:
@@ -39,9 +40,29 @@ class Joint:
 
 
 def made_joint(words: JointWords, solids: dict[str, Surface], bones: dict[str, Surface], unit: str) -> Joint:
-    """`solids`: bones and cartilage. Raises Problem."""
-    joint = Joint(words.name, words.moves, _axis(words, solids, unit), words.from_deg, words.to_deg)
-    fields = {name: SignedDistance(bone) for name, bone in bones.items() if name not in joint.moves}
+    """`solids`: bones and cartilage. The axis of the map's reference is taken where this body's own surfaces tell none, or one about which
+    bones come deeper into each other. Raises Problem."""
+    try:
+        own = _looked_at(words, _axis(words, solids, unit), bones)
+        pairs = ", ".join(f"{pair} by {depth:.1f} mm" for pair, depth in own.deepest.items())
+        reason = f"about the axis of its own surfaces bones come deep into each other, {pairs}" if own.problems else ""
+    except Problem as problem:
+        if words.otherwise is None:
+            raise
+        own, reason = None, str(problem).removeprefix(f"joint {words.name}: ")
+    if words.otherwise is None or not reason:
+        assert own is not None
+        return own
+    other = _looked_at(words, words.otherwise, bones)
+    if own is not None and max(other.deepest.values(), default=0.0) >= max(own.deepest.values()):
+        return own
+    other.carried = reason
+    return other
+
+
+def _looked_at(words: JointWords, axis: Axis, bones: dict[str, Surface]) -> Joint:
+    joint = Joint(words.name, words.moves, axis, words.from_deg, words.to_deg)
+    fields = {name: bone.distance for name, bone in bones.items() if name not in joint.moves}
     for name in (one for one in joint.moves if one in bones):
         for other, distance in fields.items():
             depths = [float(np.maximum(-distance.within(place, 1.0), 0).max()) for place in (bones[name].vertices, *joint.places(bones[name].vertices, ANGLES))]
@@ -63,6 +84,13 @@ def _axis(words: JointWords, solids: dict[str, Surface], unit: str) -> Axis:
         return Axis(direction, centre_m * UNITS["m"])
     if words.axis is not None and words.centre is not None:
         return Axis(words.axis / np.linalg.norm(words.axis), words.centre * UNITS[unit])
+    return fitted_axis(words, solids)
+
+
+def fitted_axis(words: JointWords, solids: dict[str, Surface]) -> Axis:
+    """Raises Problem."""
+    if missing := [name for name in (words.surface, words.facing) if name and name not in solids]:
+        raise Problem(f"joint {words.name}: there is no {missing[0]} to fit its axis to")
     points = articulating_points(solids[words.surface], solids[words.facing] if words.facing else None)
     if len(points) < FEWEST_POINTS:
         raise Problem(f"joint {words.name}: {words.surface} faces {words.facing} nowhere within reach; name another surface, or give axis and centre")

@@ -14,7 +14,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from ..program.cli import Problem
-from .surface import Surface, as_vtk, from_vtk
+from .surface import Surface, Triangles, as_vtk, from_vtk
 
 READERS = {".stl": vtk.vtkSTLReader, ".obj": vtk.vtkOBJReader, ".ply": vtk.vtkPLYReader, ".vtp": vtk.vtkXMLPolyDataReader,
            ".vtk": vtk.vtkPolyDataReader}
@@ -183,7 +183,14 @@ def _turn_outward(mended: Mended) -> None:
     turned = from_vtk(normals.GetOutput())
     if turned.volume < 0:
         turned = Surface(turned.vertices, turned.triangles[:, ::-1].copy())
-    before, after = ({tuple(np.roll(corners, -corners.argmin())) for corners in one.triangles} for one in (mended.surface, turned))
-    if changed := len(before - after):
+    before, after = (_from_smallest(one.triangles) for one in (mended.surface, turned))
+    if changed := len(np.unique(np.concatenate([before, after]), axis=0)) - len(after):
         mended.repairs.append("turned inside out, and turned back" if changed == len(before) else f"{changed} triangles turned outward")
     mended.surface = turned
+
+
+def _from_smallest(triangles: Triangles) -> Triangles:
+    """Each once, with its smallest corner first: another order means that it faces the other side."""
+    turned = (triangles.argmin(axis=1)[:, None] + np.arange(3)) % 3
+    found: Triangles = np.unique(np.take_along_axis(triangles, turned, axis=1), axis=0)
+    return found

@@ -15,14 +15,14 @@ def decimated(surface: Surface, error_mm: float) -> tuple[Surface, float]:
     """By quadric edge collapse, with the largest distance between the two surfaces, which is at most `error_mm`, and no triangle that
     passes through another if none did. The surface itself where nothing smaller holds it."""
     least, most = max(KEPT_SHARES[0], FEWEST / len(surface.triangles)), KEPT_SHARES[1]
-    best, gap, crossing = surface, 0.0, crossing_triangles(surface)
+    best, gap, crossing = surface, 0.0, len(crossing_triangles(surface))
     for _ in range(TRIES):
         if least >= most:
             break
         share = (least * most) ** 0.5
         tried = _collapsed(surface, share)
-        found = largest_gap(surface, tried)
-        if found <= error_mm and not open_edges(tried) and crossing_triangles(tried) <= crossing:
+        is_closed = not open_edges(tried)
+        if is_closed and (found := largest_gap(surface, tried)) <= error_mm and len(crossing_triangles(tried)) <= crossing:
             best, gap, most = tried, found, share
         else:
             least = share

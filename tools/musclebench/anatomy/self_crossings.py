@@ -11,8 +11,8 @@ INSIDE = 1e-6  # share of an edge or a triangle: what only touches does not coun
 FLAT = 1e-9  # sine of an angle: an edge in the plane of a triangle does not pass through it
 
 
-def crossing_triangles(surface: Surface) -> int:
-    """How many pass through one that shares no edge with them; 0 where there are more than MOST_PAIRS to look at."""
+def crossing_triangles(surface: Surface) -> NDArray[np.int64]:
+    """Those that pass through one that shares no edge with them; none where there are more than MOST_PAIRS to look at."""
     corners = surface.corners
     pairs = _near_pairs(surface)
     crossed = np.zeros(len(pairs), dtype=bool)
@@ -20,7 +20,8 @@ def crossing_triangles(surface: Surface) -> int:
         for k in range(3):
             edges = corners[pairs[:, one]][:, [k, (k + 1) % 3]]
             crossed |= _pierces(edges, corners[pairs[:, other]])
-    return len(np.unique(pairs[crossed]))
+    found: NDArray[np.int64] = np.unique(pairs[crossed])
+    return found
 
 
 def _near_pairs(surface: Surface) -> NDArray[np.int64]:

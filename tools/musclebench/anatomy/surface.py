@@ -1,14 +1,16 @@
 """A surface of triangles, as the importer works on it, and distances from it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import vtk
 from numpy.typing import NDArray
-from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtk.util.numpy_support import vtk_to_numpy
 
 from ..pictures.rendering import poly_data
+from ..program.cli import Problem
+from ..program.native_module import native
 
 Points = NDArray[np.float64]  # (n, 3)
 Triangles = NDArray[np.int64]  # (m, 3)
@@ -21,6 +23,18 @@ class Surface:
 
     vertices: Points
     triangles: Triangles
+    _built: tuple[Points, Triangles, "SignedDistance"] | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def distance(self) -> "SignedDistance":
+        """Built where it is asked for the first time, and anew where vertices or triangles are another array by now: do not write into them."""
+        if self._built is None or self._built[0] is not self.vertices or self._built[1] is not self.triangles:
+            self._built = self.vertices, self.triangles, SignedDistance(self)
+        return self._built[2]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What goes to another process: that builds its own."""
+        return vars(self) | {"_built": None}
 
     @property
     def corners(self) -> NDArray[np.float64]:
@@ -69,45 +83,38 @@ def merged(surfaces: list[Surface]) -> Surface:
 
 
 class SignedDistance:
-    """Signed distance to a closed surface: negative inside. In the surface's unit."""
+    """Signed distance to a closed surface: negative inside. In the surface's unit, exact to rounding, by the program's own tree: the
+    importer and the judge of a run tell inside from outside alike, also where a surface folds or passes through itself. Raises Problem for
+    a surface that can't be closed."""
 
     def __init__(self, surface: Surface):
+        module = native()
         self._low, self._high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
-        self._data = as_vtk(surface)  # VTK keeps no reference that Python knows of
-        self._function = vtk.vtkImplicitPolyDataDistance()
-        self._function.SetInput(self._data)
+        try:
+            self._tree = module.Backend("bvh", module.Bone("surface", surface.vertices, surface.triangles))
+        except module.InputError as problem:
+            raise Problem(str(problem)) from None
 
     def __call__(self, points: Points) -> Values:
-        if not len(points):
-            return np.empty(0)
-        asked = numpy_to_vtk(np.ascontiguousarray(points), deep=True)
-        told = vtk.vtkDoubleArray()
-        self._function.FunctionValue(asked, told)
-        found: Values = vtk_to_numpy(told).copy()
+        found: Values = self._tree.locate(points)["signed_distance_m"]
         return found
 
     def within(self, points: Points, reach: float) -> Values:
         """Infinite where a point is farther than `reach` from the surface's box."""
         found = np.full(len(points), np.inf)
         near = np.all((points > self._low - reach) & (points < self._high + reach), axis=1)
-        found[near] = self(points[near])
+        if near.any():
+            found[near] = self(points[near])
         return found
 
     def gradients(self, points: Points) -> Points:
-        found = np.empty_like(points)
-        gradient = [0.0, 0.0, 0.0]
-        for i, point in enumerate(points):
-            self._function.EvaluateGradient(point, gradient)
-            found[i] = gradient
+        found: Points = self._tree.locate(points)["normal"]
         return found
 
     def nearest(self, point: Points) -> Points:
-        """The nearest point of the surface, to rounding."""
-        found = point[None].copy()
-        for _ in range(4):
-            found -= self(found)[:, None] * self.gradients(found)
-        nearest: Points = found[0]
-        return nearest
+        """The nearest point of the surface."""
+        found: Points = self._tree.locate(point[None])["closest_m"][0]
+        return found
 
 
 def sample_points(surface: Surface) -> Points:
@@ -119,4 +126,4 @@ def sample_points(surface: Surface) -> Points:
 
 def largest_gap(one: Surface, other: Surface) -> float:
     """Distance between two surfaces, both ways: the largest from a point of either to the other, at `sample_points`."""
-    return max(float(np.abs(SignedDistance(to)(sample_points(of))).max()) for of, to in ((one, other), (other, one)))
+    return max(float(np.abs(to.distance(sample_points(of))).max()) for of, to in ((one, other), (other, one)))

@@ -41,7 +41,7 @@ def tendon_path(muscle: Surface, tendon: Tendon, bones: dict[str, Surface]) -> P
     leaves room for the tendon beside the bones."""
     towards = tendon.through[0] if len(tendon.through) else tendon.at
     inner, tip = _end_of(muscle, towards)
-    fields = {name: SignedDistance(bone) for name, bone in bones.items()}
+    fields = {name: bone.distance for name, bone in bones.items()}
     knots = np.concatenate([[inner, tip], tendon.through, [tendon.at]])
     for _ in range(PUSHES):  # places are told by eye, and may be too near to a bone; so may the muscle's end
         knots = _pushed_out(knots, np.zeros(len(knots), dtype=bool), fields, tendon)
@@ -62,7 +62,7 @@ def deepest_in_bones(path: Points, tendon: Tendon, bones: dict[str, Surface]) ->
     worst = ("", 0.0)
     for name, bone in bones.items():
         points = path[np.linalg.norm(path - path[-1], axis=1) > 2 * tendon.radius] if name == tendon.bone else path
-        depth = float((tendon.radius - SignedDistance(bone).within(points, tendon.radius)).max(initial=0.0))
+        depth = float((tendon.radius - bone.distance.within(points, tendon.radius)).max(initial=0.0))
         worst = max(worst, (name, depth), key=lambda one: one[1])
     return worst
 
@@ -117,7 +117,7 @@ def _dense(path: Points) -> Points:
 def _on_muscle(vertices: Points, muscle: Surface, path: Points, reach: float) -> Points:
     """The grid has cut corners: what is farther from the path goes back to the muscle's surface."""
     away = np.flatnonzero(_to_path(vertices, path) > reach)
-    distance = SignedDistance(muscle)
+    distance = muscle.distance
     moved = vertices.copy()
     moved[away] -= distance(vertices[away])[:, None] * distance.gradients(vertices[away])
     return moved
@@ -178,7 +178,7 @@ def _sampled(surface: Surface, low: Points, shape: NDArray[np.int_]) -> Values:
     inside = vtk_to_numpy(filled.GetOutput().GetPointData().GetScalars()).reshape(shape[::-1]).transpose(2, 1, 0) > 0
     coarse = CELL_MM * (distance_transform_edt(~inside) - distance_transform_edt(inside))
     band = np.abs(coarse) < BAND_CELLS * CELL_MM
-    coarse[band] = SignedDistance(surface)(low + CELL_MM * np.argwhere(band))
+    coarse[band] = surface.distance(low + CELL_MM * np.argwhere(band))
     found: Values = coarse
     return found
 

@@ -19,7 +19,7 @@ import argparse
 from pathlib import Path
 
 from ..program.cli import OneLineParser, Problem, check_positive
-from .shared import Needs, Tool
+from .shared import Tool, built_program, needs_with_module
 
 
 def parse_arguments(arguments: list[str] | None) -> argparse.Namespace:
@@ -36,6 +36,8 @@ def parse_arguments(arguments: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--muscle", action="append", default=[], metavar="NAME", help="import this muscle only; may be repeated (default: all)")
     parser.add_argument("--no-pictures", action="store_true", help="draw no pictures")
     parser.add_argument("--force", action="store_true", help="replace --out where an earlier import made it")
+    parser.add_argument("--musclebench", type=Path, default=built_program("release"), metavar="PROGRAM",
+                        help="program whose Python module tells distances (default: the build of preset release)")
     return parser.parse_args(arguments)
 
 
@@ -48,4 +50,4 @@ def check(options: argparse.Namespace) -> None:
     check_positive("--near-mm", options.near_mm)
 
 
-TOOL = Tool(parse_arguments, check, lambda options: Needs())
+TOOL = Tool(parse_arguments, check, needs_with_module)

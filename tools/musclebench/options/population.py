@@ -36,7 +36,8 @@ from pathlib import Path
 from ..population.shape_words import MOST_MEMBERS, read_shape
 from ..program.cli import Problem
 from .shared import (
-    Tool, add_frames_option, add_jobs_option, add_memory_option, add_run_options, add_shard_option, check_options, check_scene, study_parser,
+    Tool, add_frames_option, add_jobs_option, add_memory_option, add_run_options, add_shard_option, check_options, check_scene, needs_with_module,
+    study_parser,
 )
 
 
@@ -89,4 +90,4 @@ def check(options: argparse.Namespace) -> None:
             raise Problem(f"--only {number}: there are members 0 to {options.members}; raise --members")
 
 
-TOOL = Tool(parse_arguments, check)
+TOOL = Tool(parse_arguments, check, needs_with_module)

@@ -3,7 +3,7 @@
 import argparse
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ..cases.study_command import PROJECT
@@ -43,6 +43,11 @@ def needs_of(options) -> Needs:
     program = getattr(options, "musclebench", None)
     is_asked = not any(getattr(options, name, None) for name in WITHOUT_PROGRAM)
     return Needs(program.preset) if is_asked and isinstance(program, BuiltProgram) else Needs()
+
+
+def needs_with_module(options) -> Needs:
+    """And Python's module of that build, which is made where pybind11 is."""
+    return replace(needs, packages=("pybind11-dev",)) if (needs := needs_of(options)).preset else needs
 
 
 def study_parser(name: str, description: str) -> OneLineParser:
