@@ -30,6 +30,7 @@ from musclebench.anatomy.scene_files import MusclePart, reach_m, scene_text
 from musclebench.anatomy.self_crossings import crossing_triangles
 from musclebench.anatomy.sewing import Unsewable, border_loops, clipped, sew, without_bays, without_bumps
 from musclebench.anatomy.surface import Surface, as_vtk, from_vtk, largest_gap, merged
+from musclebench.anatomy.tendon_route import route
 from musclebench.anatomy.tendon import GAP_MM, Tendon, deepest_in_bones, reach_of_tendon, tendon_path, with_tendon
 from musclebench.program.cli import Problem
 from musclebench.program.whole_folder import whole_folder
@@ -468,6 +469,44 @@ def test_a_tendon_that_has_to_go_through_a_bone_is_told():
     tendon = Tendon("end", np.array([0, 0, 145.0]), np.empty((0, 3)), 2.0)
     name, depth = deepest_in_bones(tendon_path(spindle(), tendon, bones), tendon, bones)
     assert name == "bone" and depth > 5
+
+
+def test_a_tendon_finds_a_way_around_a_bone_that_splits_it():
+    """Half of its straight way is nearer to one side of the bone, half to the other: a plate that leans across it."""
+    plate = ball(1.0, cells=40)
+    plate.vertices = plate.vertices * [40.0, 8.0, 40.0] @ turned(np.eye(3), Axis(np.array([1.0, 0, 0]), np.zeros(3)), -20.0) + [0, 0, 140.0]
+    bones = {"bone": plate, "end": ball(5, (0, 0, 200))}
+    tendon = Tendon("end", np.array([0, 0, 195.0]), np.empty((0, 3)), 2.0)
+    path = tendon_path(spindle(), tendon, bones)
+    between = np.concatenate([path[:-1] + share * np.diff(path, axis=0) for share in np.linspace(0, 1, 9)])
+    assert plate.distance(between).min() > tendon.radius - 0.2 and path[-1] == pytest.approx(tendon.at)
+
+
+def test_a_way_keeps_room_where_there_is_room_and_takes_the_shortest():
+    wall = ball(20.0, (0, 3.0, 0), cells=40)
+    way = route(np.array([0, 0, -50.0]), np.array([0, 0, 50.0]), [wall.distance], 2.0)
+    assert wall.distance(way).min() > 1.0 and way[:, 1].min() < -17  # past the nearer side
+    assert np.linalg.norm(np.diff(way, axis=0), axis=1).sum() < 1.25 * 100
+    free = route(np.array([0, 0, -50.0]), np.array([0, 0, 50.0]), [], 2.0)
+    assert np.linalg.norm(np.diff(free, axis=0), axis=1).sum() == pytest.approx(100, abs=2)
+
+
+def test_a_path_that_jumps_through_a_bone_is_told():
+    """Its places are outside, and the line between two of them is not."""
+    path = np.array([[0, 0, -30.0], [0, 0, -16.0], [0, 0, 16.0], [0, 0, 30.0]])
+    name, depth = deepest_in_bones(path, Tendon("end", path[-1], np.empty((0, 3)), 2.0), {"bone": ball(15.0)})
+    assert name == "bone" and depth == pytest.approx(17.0, abs=0.2)
+
+
+def test_a_corner_between_held_ones_is_no_spike():
+    """Faces of a patch that is held in a bone dip into it, whatever its free corner does."""
+    muscle = ball(10.0, (0, 0, 14.0), cells=40)  # 6 mm deep in the bone
+    low = np.flatnonzero(muscle.vertices[:, 2] < 7.0)
+    free = low[np.argmax(muscle.vertices[low, 2])]
+    held = np.setdiff1d(low, free)
+    moved, _ = moved_out(muscle, {"bone": ball(10.0, cells=40)}, [Area("bone", "origin", held, 0.0)])
+    inside = max(0.0, -float(ball(10.0, cells=40).distance(muscle.vertices[[free]])[0]))
+    assert np.linalg.norm(moved.vertices[free] - muscle.vertices[free]) < inside + 1.2
 
 
 def test_a_muscle_is_attached_where_it_touches():

@@ -14,6 +14,7 @@ FEWEST_NODES = 4  # of an area; fewer are where a muscle passes by
 END_SHARE = 1 / 3  # of a muscle's length that counts as its end
 CLEAR_MM = 0.15  # that a free node keeps from a bone
 PUSHES = 10
+MOST_LIFTED_MM = 1.0  # that a corner moves for its faces: more does not help where the other corners are held in the bone
 TENDON_END_RADII = 3.0  # how far around its end a tendon is attached
 
 
@@ -97,13 +98,18 @@ def moved_out(muscle: Surface, bones: dict[str, Surface], areas: list[Area]) -> 
     for area in areas:
         is_free[area.nodes] = False
     vertices = muscle.vertices.copy()
+    lifted = np.zeros_like(vertices)
     for _ in range(PUSHES):
         for field in fields:
             lacking = CLEAR_MM - field.within(vertices, CLEAR_MM)
             deep = np.flatnonzero(is_free & (lacking > 0))
             if len(deep):
                 vertices[deep] += lacking[deep, None] * field.gradients(vertices[deep])
+            before = vertices.copy()
             _lift_faces(vertices, muscle.triangles, field, is_free)
+            far = np.flatnonzero(np.linalg.norm(lifted + vertices - before, axis=1) > MOST_LIFTED_MM)
+            vertices[far] = before[far]
+            lifted += vertices - before
     moves = np.linalg.norm(vertices - muscle.vertices, axis=1)
     told = [f"{np.count_nonzero(moves)} free nodes moved out of bones, by up to {moves.max():.2f} mm"] if moves.any() else []
     inside = is_free & (np.min([field.within(vertices, 0.0) for field in fields], axis=0) < 0) if fields else is_free & False

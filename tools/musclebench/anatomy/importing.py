@@ -24,6 +24,7 @@ from .tendon import Tendon, deepest_in_bones, reach_of_blend, reach_of_tendon, t
 from .units import unit_of
 
 FARTHEST_END_MM = 15.0  # that a tendon's end is moved onto its bone; it is read off by eye
+MOST_IN_BONE = 1.5  # depth of a tendon over its radius: more, and its middle is in the bone
 REACH_MM = 30.0  # how far distances to bones are looked for
 BESIDE_MM = 15.0  # a bone whose box comes nearer than that may be touched
 
@@ -164,6 +165,8 @@ def _add_tendons(result: Anatomy, anatomy: AnatomyMap, say: Say) -> None:
             others = {name: other for name, other in result.surfaces("muscle").items() if name != words.name}
             part.tendon = tendon_path(part.surface, tendon, bones | others)
             part.tendon_in_bone = deepest_in_bones(part.tendon, tendon, bones)
+            if part.tendon_in_bone[1] > MOST_IN_BONE * words.tendon.radius:
+                raise Problem(f"its tendon leads {part.tendon_in_bone[1]:.1f} mm deep through {part.tendon_in_bone[0]}; lead it around by places of `through`")
             without, part.surface = part.surface, with_tendon(part.surface, part.tendon, tendon.radius)
             result.without_tendons[words.name] = (without, tendon.radius)
         except Problem as problem:

@@ -13,6 +13,7 @@ from ..program.cli import Problem
 from .mesh_file import mend
 from .sewing import Unsewable, clipped, sew, without_bays, without_bumps
 from .surface import Points, SignedDistance, Surface, Values, as_vtk, from_vtk
+from .tendon_route import route
 
 CELL_MM = 0.8
 STEP_MM = 2.0  # between points of the path
@@ -48,7 +49,17 @@ def tendon_path(muscle: Surface, tendon: Tendon, bones: dict[str, Surface]) -> P
     for k, place in enumerate((inner, tip)):
         if np.linalg.norm(knots[k] - place) > tendon.radius:  # a muscle that ends in a bone: that is told, and not mended here
             knots[k] = place
-    points, is_fixed = _subdivided(knots)
+    legs = list(zip(knots[:-1], knots[1:]))
+    straight = _shortened([np.array(leg) for leg in legs], fields, tendon)
+    if deepest_in_bones(straight, tendon, bones)[1] <= tendon.radius:
+        return straight
+    # Its sides went to different sides of a bone.
+    ways = [np.array(legs[0]), *(route(*leg, list(fields.values()), tendon.radius + GAP_MM) for leg in legs[1:])]
+    return min((straight, _shortened(ways, fields, tendon)), key=lambda path: deepest_in_bones(path, tendon, bones)[1])
+
+
+def _shortened(legs: list[Points], fields: dict[str, SignedDistance], tendon: Tendon) -> Points:
+    points, is_fixed = _subdivided(legs)
     for _ in range(ROUNDS):
         middles = points.copy()
         middles[1:-1] = (points[:-2] + points[2:]) / 2
@@ -58,10 +69,11 @@ def tendon_path(muscle: Surface, tendon: Tendon, bones: dict[str, Surface]) -> P
 
 
 def deepest_in_bones(path: Points, tendon: Tendon, bones: dict[str, Surface]) -> tuple[str, float]:
-    """How deep the tendon is in a bone, at its end without the bone that it ends on."""
+    """How deep the tendon is in a bone, at its end without the bone that it ends on. More than its radius: the bone is on its path."""
     worst = ("", 0.0)
+    dense = _dense(path)
     for name, bone in bones.items():
-        points = path[np.linalg.norm(path - path[-1], axis=1) > 2 * tendon.radius] if name == tendon.bone else path
+        points = dense[np.linalg.norm(dense - path[-1], axis=1) > 2 * tendon.radius] if name == tendon.bone else dense
         depth = float((tendon.radius - bone.distance.within(points, tendon.radius)).max(initial=0.0))
         worst = max(worst, (name, depth), key=lambda one: one[1])
     return worst
@@ -134,13 +146,15 @@ def _end_of(muscle: Surface, towards: Points) -> tuple[Points, Points]:
     return inner, tip
 
 
-def _subdivided(knots: Points) -> tuple[Points, NDArray[np.bool_]]:
-    points, is_fixed = [knots[:1]], [True]
-    for start, end in zip(knots[:-1], knots[1:]):
-        count = max(1, round(float(np.linalg.norm(end - start)) / STEP_MM))
-        points.append(start + np.linspace(0, 1, count + 1)[1:, None] * (end - start))
-        is_fixed += [False] * (count - 1) + [True]
-    is_fixed[round(float(np.linalg.norm(knots[1] - knots[0])) / STEP_MM) or 1] = False  # the tip only says where to begin
+def _subdivided(legs: list[Points]) -> tuple[Points, NDArray[np.bool_]]:
+    """Places about STEP_MM apart; ends of legs stay, but for the first: the muscle's tip only says where to begin."""
+    points, is_fixed = [legs[0][:1]], [True]
+    for leg in legs:
+        at = np.concatenate([[0.0], np.linalg.norm(np.diff(leg, axis=0), axis=1).cumsum()])
+        wanted = np.linspace(0, at[-1], max(1, round(float(at[-1]) / STEP_MM)) + 1)[1:]
+        points.append(np.column_stack([np.interp(wanted, at, leg[:, k]) for k in range(3)]))
+        is_fixed += [False] * (len(wanted) - 1) + [True]
+    is_fixed[len(points[1])] = False
     return np.concatenate(points), np.array(is_fixed)
 
 
