@@ -238,6 +238,27 @@ TEST(NearPairs, AFlightLeavesNothingOpen) {
 }
 
 /// Slivers and specks have axes whose squared lengths single precision can't tell from 0.
+TEST(NearPairs, WhatStaysAsItIsIsNotLookedAtAgain) {
+  const TriangleMesh ball = make_sphere(1, 2);
+  const TriangleTree tree(ball.triangles, ball.vertices, 0, ball.triangles.size());
+  GivenPaths moving(tree, ball.triangles);
+  GivenPaths bone(tree, ball.triangles);
+  NearPairs pairs(moving, bone);
+  Points moved = ball.vertices;
+  for (Vec3& vertex : moved) vertex.x() += 1.98;
+  const std::vector<VertexPath> still = paths_of(ball.vertices, ball.vertices, Vec3::Zero());
+  const std::vector<VertexPath> paths = paths_of(moved, moved, Vec3::Zero());
+  bone.set(still, Vec3::Zero());
+  moving.set(paths, Vec3::Zero());
+  pairs.find(0.05);
+  EXPECT_FALSE(pairs.found().empty());
+  pairs.tell();
+  // A bone's own paths are set once, and none of them is ever told to have changed.
+  moving.change({});
+  pairs.find(0.05);
+  EXPECT_TRUE(pairs.found().empty());
+}
+
 TEST(TriangleAxes, TellNoMoreThanTheDistance) {
   Random random;
   for (const double size_m : {1.0, 1e-3, 1e-6, 1e-8}) {
