@@ -7,7 +7,7 @@ FROM debian:12 AS build
 WORKDIR /musclebench
 # By themselves, so that packages are installed again only when their list changes.
 COPY tools/setup tools/packages.txt tools/
-RUN tools/setup
+RUN tools/setup pybind11-dev
 COPY . .
 RUN tools/build release
 
@@ -18,4 +18,5 @@ COPY tools/setup tools/packages.txt tools/
 RUN tools/setup --python nodejs npm libassimp5 libfcl0.7 libfmt9 libgomp1 libhwy1 libssl3 libtomlplusplus3 libzstd1
 COPY . .
 COPY --from=build /musclebench/build/release/bench/musclebench build/release/bench/musclebench
+COPY --from=build /musclebench/build/release/python build/release/python
 ENTRYPOINT ["build/release/bench/musclebench"]

@@ -31,7 +31,7 @@ def draw(folder: Path, say: Talker) -> None:
 
 def tell(problems: list[str]) -> None:
     for problem in problems:
-        print(f"not imported: {problem}", file=sys.stderr)
+        print(f"not imported, or not as told: {problem}", file=sys.stderr)
 
 
 def counted(number: int, word: str) -> str:

@@ -200,8 +200,7 @@ def tell(found: Sweep, scenes: MemberScenes, ran: list[SweptCase]) -> int:
 def make(options) -> int:
     TOOL.check(options)
     require("vtk")
-    if not options.report_only:
-        add_native_module(options.musclebench)
+    add_native_module(options.musclebench)
     name = Path(options.scene).stem if options.scene.endswith(".toml") else options.scene.replace("/", "-")
     options.out = (options.out or PROJECT / "reports" / "out" / f"population-{name}").absolute()
     say = Talker("population")

@@ -84,7 +84,15 @@ def test_only_what_can_be_too_near_is_asked_and_nothing_is_missed(crowd, monkeyp
     assert all(np.array_equal(crowd[name].vertices, all_asked[name].vertices) for name in crowd)
 
 
+def test_a_muscle_sees_that_another_comes():
+    one, other = ball(10), ball(9, (19.6, 0, 0))
+    side = overlaps._Side(one, np.zeros(len(one.vertices), dtype=bool), other)
+    assert not side.push()
+    other.vertices = other.vertices - [1.0, 0, 0]
+    assert side.push() and one.vertices[:, 0].max() < 9.9
+
+
 def test_a_program_without_the_module_is_told(tmp_path):
     (tmp_path / "bench").mkdir()
-    with pytest.raises(Problem, match="was built without its Python module; tools/setup pybind11-dev"):
+    with pytest.raises(Problem, match="has no Python module beside it; run tools/setup pybind11-dev"):
         add_native_module(Path(tmp_path / "bench" / "musclebench"))

@@ -30,7 +30,7 @@ from musclebench.population.shape_words import read_shape
 from musclebench.population.shapes import drawn_amounts
 from musclebench.population.toml_text import toml_text
 from musclebench.program.cli import Problem
-from program import PROGRAM, call, needs_native_module, needs_program
+from program import PROGRAM, call, needs_native_module
 
 PROJECT = Path(__file__).resolve().parents[2]
 
@@ -211,7 +211,7 @@ def knee(tmp_path_factory) -> Path:
     return next(folder.glob("*.toml"))
 
 
-@needs_program
+@needs_native_module
 def test_a_member_is_its_scene_with_another_shape(knee, tmp_path):
     base = read_base_scene(str(knee), Path(PROGRAM), None)
     family = Family(base, [read_shape("scale=20"), read_shape("scale=10@femur")], seed=1)
@@ -295,7 +295,7 @@ def test_a_folder_is_of_one_population(tmp_path):
     assert not (tmp_path / "members" / "hip-m0001").exists()
 
 
-@needs_program
+@needs_native_module
 def test_a_population_says_which_setting_holds(knee, tmp_path, capsys):
     words = [str(knee), "--shape", "scale=10", "--members", "3", "--setting", "bvh", "--setting", "sdf:cells=8", "--wanted", "surface_mm=0.4",
              "--frames-limit", "6", "--musclebench", PROGRAM, "--any-build", "--out", str(tmp_path / "out"), "--no-pictures", "--hold", "60"]
@@ -328,7 +328,7 @@ def test_a_population_says_which_setting_holds(knee, tmp_path, capsys):
     assert population.main([*other, "--force"]) in (0, 1) and (tmp_path / "out" / mesh).read_bytes() != kept
 
 
-@needs_program
+@needs_native_module
 def test_parts_of_a_population_are_joined(knee, tmp_path, capsys):
     words = [str(knee), "--shape", "size=5", "--members", "3", "--setting", "bvh", "--frames-limit", "3", "--musclebench", PROGRAM, "--any-build",
              "--no-pictures"]
@@ -344,7 +344,7 @@ def test_parts_of_a_population_are_joined(knee, tmp_path, capsys):
     assert "no result" not in capsys.readouterr().out
 
 
-@needs_program
+@needs_native_module
 def test_what_is_not_of_this_tool_is_not_removed(knee, tmp_path, capsys):
     (tmp_path / "members" / f"{knee.stem}-m0001").mkdir(parents=True)
     (tmp_path / "members" / f"{knee.stem}-m0001" / "notes.txt").write_text("mine")
@@ -353,7 +353,7 @@ def test_what_is_not_of_this_tool_is_not_removed(knee, tmp_path, capsys):
     assert (tmp_path / "members" / f"{knee.stem}-m0001" / "notes.txt").read_text() == "mine"
 
 
-@needs_program
+@needs_native_module
 @pytest.mark.parametrize(("old", "new", "words"), [
     ('preset = "standard"', 'preset = "standard"\neffects = "auto"', "each member would get effects of its own"),
     ("[muscle]", "[muscle", "knee"),
@@ -368,7 +368,7 @@ def test_a_scene_that_makes_no_members_is_told(knee, tmp_path, capsys, old, new,
     assert words in said and said.startswith("population: ")
 
 
-@needs_program
+@needs_native_module
 @pytest.mark.parametrize(("change", "words"), [
     (["--setting", "bhv"], "not built"), (["--setting", "sdf:cell=8"], "'cell=8' is not like key=value with a parameter of sdf"),
     (["--setting", "bvh", "--setting", "bvh"], "two are alike"), (["--hold", "101"], "at most 100 percent"),

@@ -162,7 +162,7 @@ class PathSpheres {
 
   std::vector<Level> m_levels;  ///< from 1 on
   std::mutex m_making;
-  unsigned m_changes = 1;  ///< counts them; what never changes has no node of this number
+  unsigned m_changes = 1;  ///< counts them from 1 on: nodes that never changed have 0
   bool m_is_all_changed = true;
 };
 

@@ -54,7 +54,7 @@ class JointWords:
     surface: str = ""  # that is fitted, where it faces `facing`
     facing: str = ""
     axis_towards: Points | None = None  # which of its two directions is positive
-    otherwise: Axis | None = None  # of the reference, carried to this body: for one whose own surfaces tell none. In millimetres
+    otherwise: Axis | None = None  # of the reference, carried to this body, in millimetres: where its own surfaces tell none, or a wrong one
     from_deg: float = 0.0
     to_deg: float = 0.0
 

@@ -107,9 +107,11 @@ def moved_out(muscle: Surface, bones: dict[str, Surface], areas: list[Area]) -> 
                 vertices[deep] += lacking[deep, None] * field.gradients(vertices[deep])
             before = vertices.copy()
             _lift_faces(vertices, muscle.triangles, field, is_free)
-            far = np.flatnonzero(np.linalg.norm(lifted + vertices - before, axis=1) > MOST_LIFTED_MM)
-            vertices[far] = before[far]
-            lifted += vertices - before
+            lifts = lifted + vertices - before
+            far = np.flatnonzero(np.linalg.norm(lifts, axis=1) > MOST_LIFTED_MM)
+            lifts[far] *= MOST_LIFTED_MM / np.linalg.norm(lifts[far], axis=1)[:, None]
+            vertices[far] = before[far] + lifts[far] - lifted[far]
+            lifted = lifts
     moves = np.linalg.norm(vertices - muscle.vertices, axis=1)
     told = [f"{np.count_nonzero(moves)} free nodes moved out of bones, by up to {moves.max():.2f} mm"] if moves.any() else []
     inside = is_free & (np.min([field.within(vertices, 0.0) for field in fields], axis=0) < 0) if fields else is_free & False

@@ -107,7 +107,7 @@ def readme(result: Anatomy, anatomy: AnatomyMap) -> str:
             lines += ["", f"These do not cross it and have no scene: {', '.join(stays)}."]
     if result.overlaps:
         passing = sum(one.triangles for one in result.left)
-        left = f"{passing} of their triangles still pass through each other" if passing else "nothing passes through another muscle now"
+        left = f"{passing} of their triangles still pass through each other" if result.left else "nothing passes through another muscle now"
         lines += ["", f"These overlapped, and were moved apart; {left}.", ""]
         lines += ["| muscle | and | triangles that passed | nodes inside | deepest (mm) |", "| --- | --- | ---: | ---: | ---: |"]
         lines += [f"| {one.muscle} | {one.other} | {one.triangles} | {one.nodes} | {one.deepest:.2f} |" for one in result.overlaps]

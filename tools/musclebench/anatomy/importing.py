@@ -14,17 +14,17 @@ from .attaching import Area, areas_near_bones, check_muscle, distances_to, end_o
 from .carried import carried
 from .found_files import Found
 from .joints import Joint, made_joint
-from .mesh_file import Mended, mend, read_mesh
+from .mesh_file import FORKED, Mended, mend, read_mesh
 from .overlaps import Overlap, moved_apart, overlaps_of
 from .resolution import decimated
 from .rings import ring_around
 from .scene_files import MusclePart
 from .surface import Points, Surface, sample_points
-from .tendon import Tendon, deepest_in_bones, reach_of_blend, reach_of_tendon, tendon_path, with_tendon
+from .tendon import BESIDE_TIP, Tendon, deepest_in_bones, reach_of_blend, reach_of_tendon, tendon_path, with_tendon
 from .units import unit_of
 
 FARTHEST_END_MM = 15.0  # that a tendon's end is moved onto its bone; it is read off by eye
-MOST_IN_BONE = 1.5  # depth of a tendon over its radius: more, and its middle is in the bone
+HARDLY_MM = 0.3  # that the middle of a tendon may be in a bone: places are a step apart
 REACH_MM = 30.0  # how far distances to bones are looked for
 BESIDE_MM = 15.0  # a bone whose box comes nearer than that may be touched
 
@@ -87,11 +87,15 @@ def import_anatomy(files: list[Found], anatomy: AnatomyMap, problems: list[str],
     if result.overlaps:
         say("moving muscles apart that overlap")
         _move_apart(result)
-        problems += [f"{anatomy.path}: {one.muscle} and {one.other} still pass through each other near ({', '.join(f'{x:.0f}' for x in one.at)}) mm, with "
-                     f"{one.triangles} triangles: lead their tendons beside each other, or attach fewer nodes (near_mm); alone each is as it should be"
-                     for one in result.left if one.at is not None]
+        problems += [f"{anatomy.path}: {one.muscle} and {one.other} still overlap{_near(one.at)}, with {one.triangles} triangles and {one.nodes} nodes, "
+                     f"{one.deepest:.1f} mm deep: lead their tendons beside each other, or attach fewer nodes (near_mm). Scenes of one muscle are not affected"
+                     for one in result.left]
     _add_rings(result, anatomy)
     return result
+
+
+def _near(place: Points | None) -> str:
+    return "" if place is None else f" near ({', '.join(f'{x:.0f}' for x in place)}) mm"
 
 
 def _move_apart(result: Anatomy) -> None:
@@ -132,10 +136,10 @@ def _mended(raw: list[tuple[Found, Surface]], factor: float, problems: list[str]
 def _check_names(anatomy: AnatomyMap, parts: dict[str, Part], is_whole: bool, problems: list[str]) -> None:
     """Raises Problem for a bone that the folder has not; a muscle of the map that is not there is told."""
     solid = [name for name, part in parts.items() if part.found.kind != "muscle"]
-    fitted = anatomy.joints if anatomy.reference is None else []  # a reference tells the axis otherwise
-    for place, name in [(f"joint {joint.name}", name) for joint in anatomy.joints for name in joint.moves] + [
-            (f"joint {joint.name}", name) for joint in fitted for name in (joint.surface, joint.facing)]:
-        if name and name not in solid:
+    # A surface that is missing here may be the reference's.
+    others = [path.stem for path in anatomy.reference.glob("*.ply")] if anatomy.reference is not None else []
+    for place, name in [(f"joint {joint.name}", name) for joint in anatomy.joints for name in (*joint.moves, joint.surface, joint.facing) if name]:
+        if name not in solid and (name not in others or any(name in joint.moves for joint in anatomy.joints)):
             raise Problem(f"{anatomy.path}: {place} names '{name}', and there is no such bone or cartilage; there are {', '.join(sorted(solid))}")
     for words in anatomy.muscles:
         if words.name not in parts and is_whole:
@@ -163,10 +167,11 @@ def _add_tendons(result: Anatomy, anatomy: AnatomyMap, say: Say) -> None:
             if (moved := float(np.linalg.norm(at - words.tendon.at * factor))) > FARTHEST_END_MM:
                 raise Problem(f"its tendon's `at` is {moved:.0f} mm away from {words.tendon.to}; is the map for meshes in this place and unit?")
             others = {name: other for name, other in result.surfaces("muscle").items() if name != words.name}
-            part.tendon = tendon_path(part.surface, tendon, bones | others)
+            part.tendon = tendon_path(part.surface, tendon, bones, others)
             part.tendon_in_bone = deepest_in_bones(part.tendon, tendon, bones)
-            if part.tendon_in_bone[1] > MOST_IN_BONE * words.tendon.radius:
-                raise Problem(f"its tendon leads {part.tendon_in_bone[1]:.1f} mm deep through {part.tendon_in_bone[0]}; lead it around by places of `through`")
+            bone, depth = deepest_in_bones(part.tendon, tendon, bones, BESIDE_TIP)
+            if depth > words.tendon.radius + HARDLY_MM:  # its middle is in the bone
+                raise Problem(f"its tendon leads {depth:.1f} mm deep through {bone}; lead it around by places of `through`")
             without, part.surface = part.surface, with_tendon(part.surface, part.tendon, tendon.radius)
             result.without_tendons[words.name] = (without, tendon.radius)
         except Problem as problem:
@@ -178,7 +183,7 @@ def _decimate(result: Anatomy, error_mm: float, say: Say) -> None:
     names = list(result.parts)
     say(f"decimating {len(names)} meshes to {error_mm:g} mm")
     try:
-        with ProcessPoolExecutor() as pool:
+        with ProcessPoolExecutor(mp_context=FORKED) as pool:
             for name, (surface, gap) in zip(names, pool.map(decimated, [result.parts[name].surface for name in names], [error_mm] * len(names))):
                 result.parts[name].surface, result.parts[name].error_mm = surface, gap
                 say(f"decimated {name}")

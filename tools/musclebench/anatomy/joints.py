@@ -31,7 +31,8 @@ class Joint:
     @property
     def problems(self) -> list[str]:
         """Bones that come so deep into each other that the axis can't be theirs."""
-        return [f"joint {self.name}: {pair} by {depth:.1f} mm more than at rest: the axis or the range is wrong; look at the meshes that it was fitted to"
+        cure = "this body lies otherwise than the reference" if self.carried else "look at the meshes that it was fitted to"
+        return [f"joint {self.name}: {pair} by {depth:.1f} mm more than at rest: the axis or the range is wrong; {cure}"
                 for pair, depth in self.deepest.items() if depth > MOST_DEEPER_MM]
 
     def places(self, points: Points, count: int) -> list[Points]:
@@ -40,8 +41,8 @@ class Joint:
 
 
 def made_joint(words: JointWords, solids: dict[str, Surface], bones: dict[str, Surface], unit: str) -> Joint:
-    """`solids`: bones and cartilage. The axis of the map's reference is taken where this body's own surfaces tell none, or one about which
-    bones come deeper into each other. Raises Problem."""
+    """`solids`: bones and cartilage. The axis of the map's reference is taken where this body has no surface to fit one to, and where
+    bones come more than MOST_DEEPER_MM into each other about its own axis and not about that. Raises Problem."""
     try:
         own = _looked_at(words, _axis(words, solids, unit), bones)
         pairs = ", ".join(f"{pair} by {depth:.1f} mm" for pair, depth in own.deepest.items())
@@ -54,7 +55,7 @@ def made_joint(words: JointWords, solids: dict[str, Surface], bones: dict[str, S
         assert own is not None
         return own
     other = _looked_at(words, words.otherwise, bones)
-    if own is not None and max(other.deepest.values(), default=0.0) >= max(own.deepest.values()):
+    if own is not None and other.problems:
         return own
     other.carried = reason
     return other

@@ -1,7 +1,10 @@
 """Fewer triangles within a wanted error."""
 
+import math
+
 import vtk
 
+from ..program.cli import Problem
 from .mesh_file import open_edges
 from .self_crossings import crossing_triangles
 from .surface import Surface, as_vtk, from_vtk, largest_gap
@@ -21,8 +24,7 @@ def decimated(surface: Surface, error_mm: float) -> tuple[Surface, float]:
             break
         share = (least * most) ** 0.5
         tried = _collapsed(surface, share)
-        is_closed = not open_edges(tried)
-        if is_closed and (found := largest_gap(surface, tried)) <= error_mm and len(crossing_triangles(tried)) <= crossing:
+        if (found := _gap(surface, tried)) <= error_mm and len(crossing_triangles(tried)) <= crossing:
             best, gap, most = tried, found, share
         else:
             least = share
@@ -36,3 +38,11 @@ def _collapsed(surface: Surface, share: float) -> Surface:
     collapse.VolumePreservationOn()
     collapse.Update()
     return from_vtk(collapse.GetOutput())
+
+
+def _gap(surface: Surface, tried: Surface) -> float:
+    """Infinite where it is no closed surface any more."""
+    try:
+        return math.inf if open_edges(tried) else largest_gap(surface, tried)
+    except Problem:
+        return math.inf

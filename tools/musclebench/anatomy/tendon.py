@@ -18,6 +18,7 @@ from .tendon_route import route
 CELL_MM = 0.8
 STEP_MM = 2.0  # between points of the path
 TIP_MM = 12.0  # of the muscle's end, where the tube begins
+BESIDE_TIP = slice(round(TIP_MM / STEP_MM), None)  # of a path: without the muscle's end, which may lie in a bone
 GAP_MM = 0.5  # between tendon and bone
 ROUNDS = 300
 PUSHES = 20
@@ -37,25 +38,32 @@ class Tendon:
     radius: float
 
 
-def tendon_path(muscle: Surface, tendon: Tendon, bones: dict[str, Surface]) -> Points:
+def tendon_path(muscle: Surface, tendon: Tendon, bones: dict[str, Surface], muscles: dict[str, Surface] | None = None) -> Points:
     """Points from inside the muscle's end to the insertion, about STEP_MM apart: the shortest path through the given places that
-    leaves room for the tendon beside the bones."""
+    leaves room for the tendon beside bones and other muscles."""
     towards = tendon.through[0] if len(tendon.through) else tendon.at
     inner, tip = _end_of(muscle, towards)
-    fields = {name: bone.distance for name, bone in bones.items()}
+    fields = {name: solid.distance for name, solid in (bones | (muscles or {})).items()}
     knots = np.concatenate([[inner, tip], tendon.through, [tendon.at]])
     for _ in range(PUSHES):  # places are told by eye, and may be too near to a bone; so may the muscle's end
         knots = _pushed_out(knots, np.zeros(len(knots), dtype=bool), fields, tendon)
     for k, place in enumerate((inner, tip)):
         if np.linalg.norm(knots[k] - place) > tendon.radius:  # a muscle that ends in a bone: that is told, and not mended here
             knots[k] = place
-    legs = list(zip(knots[:-1], knots[1:]))
-    straight = _shortened([np.array(leg) for leg in legs], fields, tendon)
-    if deepest_in_bones(straight, tendon, bones)[1] <= tendon.radius:
+    legs = [np.array(leg) for leg in zip(knots[:-1], knots[1:])]
+    straight = _shortened(legs, fields, tendon)
+    if deepest_in_bones(straight, tendon, bones, BESIDE_TIP)[1] <= tendon.radius:
         return straight
-    # Its sides went to different sides of a bone.
-    ways = [np.array(legs[0]), *(route(*leg, list(fields.values()), tendon.radius + GAP_MM) for leg in legs[1:])]
-    return min((straight, _shortened(ways, fields, tendon)), key=lambda path: deepest_in_bones(path, tendon, bones)[1])
+    # Neighbouring places were pushed to opposite sides of a bone.
+    ends = np.cumsum([0, *(_steps_of(leg) for leg in legs)])
+    for k in range(1, len(legs)):
+        if deepest_in_bones(straight, tendon, bones, slice(ends[k], ends[k + 1] + 1))[1] > tendon.radius:
+            legs[k] = route(legs[k][0], legs[k][1], list(fields.values()), tendon.radius + GAP_MM)
+    return min((straight, _shortened(legs, fields, tendon)), key=lambda path: deepest_in_bones(path, tendon, bones, BESIDE_TIP)[1])
+
+
+def _steps_of(leg: Points) -> int:
+    return max(1, round(float(np.linalg.norm(np.diff(leg, axis=0), axis=1).sum()) / STEP_MM))
 
 
 def _shortened(legs: list[Points], fields: dict[str, SignedDistance], tendon: Tendon) -> Points:
@@ -68,10 +76,10 @@ def _shortened(legs: list[Points], fields: dict[str, SignedDistance], tendon: Te
     return points
 
 
-def deepest_in_bones(path: Points, tendon: Tendon, bones: dict[str, Surface]) -> tuple[str, float]:
-    """How deep the tendon is in a bone, at its end without the bone that it ends on. More than its radius: the bone is on its path."""
+def deepest_in_bones(path: Points, tendon: Tendon, bones: dict[str, Surface], part: slice = slice(None)) -> tuple[str, float]:
+    """How deep the tendon is in a bone, at its insertion without the bone that it ends on. More than its radius, and its middle is in the bone."""
     worst = ("", 0.0)
-    dense = _dense(path)
+    dense = _dense(path[part])
     for name, bone in bones.items():
         points = dense[np.linalg.norm(dense - path[-1], axis=1) > 2 * tendon.radius] if name == tendon.bone else dense
         depth = float((tendon.radius - bone.distance.within(points, tendon.radius)).max(initial=0.0))
@@ -151,7 +159,7 @@ def _subdivided(legs: list[Points]) -> tuple[Points, NDArray[np.bool_]]:
     points, is_fixed = [legs[0][:1]], [True]
     for leg in legs:
         at = np.concatenate([[0.0], np.linalg.norm(np.diff(leg, axis=0), axis=1).cumsum()])
-        wanted = np.linspace(0, at[-1], max(1, round(float(at[-1]) / STEP_MM)) + 1)[1:]
+        wanted = np.linspace(0, at[-1], _steps_of(leg) + 1)[1:]
         points.append(np.column_stack([np.interp(wanted, at, leg[:, k]) for k in range(3)]))
         is_fixed += [False] * (len(wanted) - 1) + [True]
     is_fixed[len(points[1])] = False

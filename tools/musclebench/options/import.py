@@ -11,8 +11,8 @@ pictures, and a README with licence, citations, errors and attachments.
   tools/import ~/Downloads/right --map datasets/maps/visible_human_female.toml --out leg
   build/release/bench/musclebench run leg/scenes/ankle/soleus.toml --backend bvh --out leg_runs/soleus
 
-Exit codes: 0 all was imported; 2 nothing was written, and one line says what is wrong; 3 it is written, and some files could not be
-used.
+Exit codes: 0 all was imported; 2 nothing was written, and one line says what is wrong; 3 it is written, and something is not as
+told: files that could not be used, a joint that drives bones into each other, or muscles that still overlap.
 """
 
 import argparse

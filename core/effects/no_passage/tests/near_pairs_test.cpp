@@ -237,7 +237,6 @@ TEST(NearPairs, AFlightLeavesNothingOpen) {
   EXPECT_LT(after, 20 * before);
 }
 
-/// Slivers and specks have axes whose squared lengths single precision can't tell from 0.
 TEST(NearPairs, WhatStaysAsItIsIsNotLookedAtAgain) {
   const TriangleMesh ball = make_sphere(1, 2);
   const TriangleTree tree(ball.triangles, ball.vertices, 0, ball.triangles.size());
@@ -259,6 +258,7 @@ TEST(NearPairs, WhatStaysAsItIsIsNotLookedAtAgain) {
   EXPECT_TRUE(pairs.found().empty());
 }
 
+/// Slivers and specks have axes whose squared lengths single precision can't tell from 0.
 TEST(TriangleAxes, TellNoMoreThanTheDistance) {
   Random random;
   for (const double size_m : {1.0, 1e-3, 1e-6, 1e-8}) {
