@@ -35,7 +35,7 @@ def test_its_commands_run_in_their_order(tmp_path):
     tools.stand_in("dpkg-query", "true")
     tools.stand_in("apt-get", f'echo "$@" >>{tmp_path}/asked')
     tools.stand_in("id", "echo 0")
-    tools.stand_in("cmake", "[ $1 = --build ] && mkdir -p build/release/bench && touch build/release/bench/musclebench; exit 0")
+    tools.stand_in("cmake", "[ $1 = --build ] && mkdir -p build/release/bench build/release/python && touch build/release/bench/musclebench; exit 0")
     ran = []
     for step, words in STEPS:
         if step == "FROM":
@@ -44,9 +44,9 @@ def test_its_commands_run_in_their_order(tmp_path):
             tools.root.mkdir()
         elif step == "COPY" and words.startswith("--from=build"):
             source, target = (word.removeprefix("/musclebench/") for word in words.split()[1:])
-            assert (built / source).is_file()
+            assert (built / source).exists()
             (tools.root / target).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copy(built / source, tools.root / target)
+            (shutil.copytree if (built / source).is_dir() else shutil.copy)(built / source, tools.root / target)
         elif step == "COPY":
             copied(tools.root, words.split())
         elif step == "RUN":

@@ -1,6 +1,8 @@
 """A surface of triangles, as the importer works on it, and distances from it."""
 
+import json
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -91,7 +93,7 @@ class SignedDistance:
         module = native()
         self._low, self._high = surface.vertices.min(axis=0), surface.vertices.max(axis=0)
         try:
-            self._tree = module.Backend("bvh", module.Bone("surface", surface.vertices, surface.triangles))
+            self._tree = module.Backend(_exact_backend(), module.Bone("surface", surface.vertices, surface.triangles))
         except module.InputError as problem:
             raise Problem(str(problem)) from None
 
@@ -115,6 +117,13 @@ class SignedDistance:
         """The nearest point of the surface."""
         found: Points = self._tree.locate(point[None])["closest_m"][0]
         return found
+
+
+@cache
+def _exact_backend() -> str:
+    """That tells exact distances on both sides of a surface."""
+    known: list[dict[str, Any]] = json.loads(native().catalogue())["backends"]
+    return next(str(one["name"]) for one in known if one["exact"] and one["face_contact"])
 
 
 def sample_points(surface: Surface) -> Points:
