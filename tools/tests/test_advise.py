@@ -67,7 +67,7 @@ def test_what_is_exact_holds_any_depth():
 
 
 def test_a_time_that_ends_before_the_exact_run_says_what_is_unknown(advise):
-    answer = advise("--depth-mm", "1", "--seconds", "0.001")
+    answer = advise("--depth-mm", "1", "--seconds", "0.000001")
     assert answer.returncode == 5 and not answer.stdout
     assert re.search(r"--seconds: .* of the exact run .* before any measurement; give about [1-9]\d* s", answer.stderr), answer.stderr
 
