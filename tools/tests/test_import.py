@@ -2,7 +2,6 @@
 
 import importlib
 import json
-import locale
 import os
 import re
 import subprocess
@@ -12,32 +11,25 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import vtk
 from scipy.spatial import cKDTree
 
-from program import PROGRAM, needs_native_module
+from anatomy_shapes import ball, spindle, write
 from musclebench.anatomy import attaching, units
 from musclebench.anatomy.anatomy_map import JointWords, read_map
 from musclebench.anatomy.attaching import Area, areas_near_bones, distances_to, moved_out
 from musclebench.anatomy.found_files import find_files
 from musclebench.anatomy.joint_axis import Axis, articulating_points, fit_cylinder, fit_sphere
 from musclebench.anatomy.joints import made_joint, turned
-from musclebench.anatomy.mesh_file import mend, open_edges, read_mesh
+from musclebench.anatomy.mesh_file import mend, read_mesh
 from musclebench.anatomy.opensim import opensim_axis
-from musclebench.anatomy.resolution import decimated
-from musclebench.anatomy.rings import ROOM_MM, ring_around
 from musclebench.anatomy.scene_files import MusclePart, reach_m, scene_text
-from musclebench.anatomy.self_crossings import crossing_triangles
-from musclebench.anatomy.sewing import Unsewable, border_loops, clipped, sew, without_bays, without_bumps
-from musclebench.anatomy.surface import Surface, as_vtk, from_vtk, largest_gap, merged
-from musclebench.anatomy.tendon_route import route
-from musclebench.anatomy.tendon import GAP_MM, Tendon, deepest_in_bones, reach_of_tendon, tendon_path, with_tendon
+from musclebench.anatomy.surface import Surface, merged
 from musclebench.program.cli import Problem
 from musclebench.program.whole_folder import whole_folder
+from program import PROGRAM, needs_native_module
 
 pytestmark = needs_native_module
 PROJECT = Path(__file__).resolve().parents[2]
-WRITERS = {".stl": vtk.vtkSTLWriter, ".ply": vtk.vtkPLYWriter, ".obj": vtk.vtkOBJWriter, ".vtp": vtk.vtkXMLPolyDataWriter, ".vtk": vtk.vtkPolyDataWriter}
 MAP = """
 title = "A knee"
 licence = "CC BY 4.0"
@@ -56,32 +48,6 @@ to_deg = 40
 """
 
 import_tool = importlib.import_module("import")
-
-
-def ball(radius=10.0, centre=(0, 0, 0), cells=24) -> Surface:
-    source = vtk.vtkSphereSource()
-    source.SetRadius(radius)
-    source.SetCenter(*centre)
-    source.SetThetaResolution(cells)
-    source.SetPhiResolution(cells)
-    source.Update()
-    return mend(from_vtk(source.GetOutput()), "ball").surface
-
-
-def spindle(length=100.0, radius=8.0) -> Surface:
-    """Along z, from 0 to its length."""
-    long = ball(1.0, cells=40)
-    return Surface(long.vertices * [radius, radius, length / 2] + [0, 0, length / 2], long.triangles)
-
-
-def write(surface: Surface, path: Path) -> Path:
-    writer = WRITERS[path.suffix]()
-    writer.SetInputData(as_vtk(surface))
-    writer.SetFileName(str(path))
-    before = locale.setlocale(locale.LC_ALL)
-    writer.Write()
-    locale.setlocale(locale.LC_ALL, before)  # VTK's legacy writer sets another one, and files of later tests were read as ASCII
-    return path
 
 
 @pytest.fixture(scope="module")
@@ -205,27 +171,6 @@ def test_a_damaged_file_ends_in_one_line(tmp_path, name, text):
         mend(read_mesh(path), name)
 
 
-def test_every_triangle_faces_outward():
-    sound, other = ball(10), ball(8, (40, 0, 0))
-    mixed = sound.triangles.copy()
-    mixed[::3] = mixed[::3, ::-1]
-    mended = mend(Surface(sound.vertices, mixed), "mixed")
-    assert mended.surface.volume == pytest.approx(sound.volume) and mended.repairs == [f"{len(mixed[::3])} triangles turned outward"]
-    inverted = merged([sound, Surface(other.vertices, other.triangles[:, ::-1])])
-    assert mend(inverted, "two").surface.volume == pytest.approx(sound.volume + other.volume)
-
-
-def test_what_an_export_rounds_is_one_vertex_and_nothing_is_no_surface():
-    sound = ball(10)
-    apart = Surface(sound.corners.reshape(-1, 3) + np.random.default_rng(1).uniform(-1e-6, 1e-6, (3 * len(sound.triangles), 3)),
-                    np.arange(3 * len(sound.triangles)).reshape(-1, 3))
-    assert len(mend(apart, "apart").surface.vertices) == len(sound.vertices)
-    many = merged([ball(1, (5 * i, 0, 0), 8) for i in range(60)])
-    assert mend(many, "many").surface.volume == pytest.approx(60 * ball(1, cells=8).volume)
-    with pytest.raises(Problem, match="encloses no volume|is open"):
-        mend(Surface(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0.0]]), np.array([[0, 1, 2], [0, 2, 1]])), "sheet")
-
-
 def test_what_gives_no_scene_is_told(knee, tmp_path, capsys):
     assert run(knee, tmp_path / "out", text=MAP.replace('["femur"]', '["femur", "tibia"]')) == import_tool.CODE_PARTLY
     assert "no scene: no muscle is attached to a bone that a joint moves" in capsys.readouterr().err
@@ -288,47 +233,6 @@ def test_bones_alone_are_an_import_without_scenes(knee, tmp_path, capsys):
     assert "Joint knee" in (tmp_path / "out" / "README.md").read_text()
 
 
-@pytest.mark.parametrize("suffix", WRITERS)
-def test_all_formats_are_read_alike(tmp_path, suffix):
-    surface = mend(read_mesh(write(ball(12.5, (1, 2, 3)), tmp_path / f"ball{suffix}")), "ball").surface
-    assert open_edges(surface) == 0 and len(surface.vertices) == len(ball(cells=24).vertices)
-    assert surface.volume == pytest.approx(ball(12.5).volume, rel=1e-5)
-
-
-def test_meshes_are_mended():
-    sound = ball(10)
-    with_debris = merged([sound, ball(0.5, (30, 0, 0)), Surface(sound.vertices, sound.triangles[:1])])
-    mended = mend(with_debris, "ball")
-    assert mended.surface.volume == pytest.approx(sound.volume, rel=1e-9) and len(mended.repairs) == 2
-    (a, b, _), tip = sound.triangles[0], len(sound.vertices)
-    folded = Surface(np.concatenate([sound.vertices, [[0, 0, 11.0]]]), np.concatenate([sound.triangles, [[a, b, tip], [b, a, tip]]]))
-    assert open_edges(mend(folded, "fold").surface) == 0 and mend(folded, "fold").surface.volume == pytest.approx(sound.volume, rel=1e-9)
-    hole = mend(Surface(sound.vertices, sound.triangles[1:]), "ball")
-    assert open_edges(hole.surface) == 0 and "holes closed" in hole.repairs[0] and hole.surface.volume == pytest.approx(sound.volume, rel=1e-3)
-    with pytest.raises(Problem, match="is open"):
-        mend(Surface(sound.vertices, sound.triangles[sound.corners.mean(axis=1)[:, 2] > 0]), "half")
-
-
-def test_decimation_keeps_the_wanted_error():
-    fine = ball(20, cells=60)
-    for error in (0.05, 0.5):
-        coarse, told = decimated(fine, error)
-        assert told <= error and told == pytest.approx(largest_gap(fine, coarse)) and open_edges(coarse) == 0
-        # By the shape itself: no point of either is farther than told from a sphere, but for the fine mesh's own chords.
-        off = np.abs(np.linalg.norm(coarse.corners.mean(axis=1), axis=1) - 20).max()
-        assert error / 10 < off <= error + 0.03
-    assert len(coarse.triangles) < len(decimated(fine, 0.05)[0].triangles) < len(fine.triangles)
-
-
-def test_triangles_that_pass_through_others_are_counted():
-    assert len(crossing_triangles(ball(10))) == 0
-    assert len(crossing_triangles(merged([ball(10), ball(10, (5, 0, 0))]))) > 20
-    fan = Surface(np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, -1], [1, 1, 1.0]]), np.array([[0, 1, 2], [0, 3, 4]]))
-    assert len(crossing_triangles(fan)) == 2  # they share a vertex, and pass elsewhere
-    fan.vertices[3:] -= [3, 3, 0]
-    assert len(crossing_triangles(fan)) == 0
-
-
 def test_axes_are_those_of_the_shapes():
     random = np.random.default_rng(1)
     turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
@@ -376,65 +280,6 @@ def test_axes_of_opensim_models(tmp_path, lhdl_upstream, lhdl_folder):
         assert direction == pytest.approx(hip["axes"][axis], abs=1e-9) and centre == pytest.approx(hip["centre_m"])
 
 
-def test_a_tendon_goes_the_shortest_way_around_a_bone():
-    """Over a ball: straight, an arc at the tendon's distance, straight. The length is known."""
-    muscle, radius = spindle(), 2.0
-    bone, end = ball(15, (0, 0, 130), cells=60), ball(4, (0, 3, 170))
-    tendon = Tendon("end", end.distance.nearest(np.array([0, 3.0, 165.0])), np.array([[0.0, 18.5, 131.0]]), radius)
-    bones = {"bone": bone, "end": end}
-    path = tendon_path(muscle, tendon, bones)
-    assert deepest_in_bones(path, tendon, bones) == ("", 0.0)
-    assert bone.distance(path).min() > radius + GAP_MM - 0.1
-    assert np.linalg.norm(path[-1] - [0, 3, 166]) < 0.05 and np.abs(path[:, 0]).max() < 0.5
-    start, over, reach = path[0], np.array([0, 0, 130.0]), 15 + radius + GAP_MM
-    sides = [np.linalg.norm(point - over) for point in (start, path[-1])]
-    between = np.arccos((start - over) @ (path[-1] - over) / sides[0] / sides[1])
-    arc = between - sum(np.arccos(reach / side) for side in sides)
-    shortest = sum(np.sqrt(side**2 - reach**2) for side in sides) + reach * arc
-    length = np.linalg.norm(np.diff(path, axis=0), axis=1).sum()
-    assert shortest - 0.2 < length < 1.03 * shortest
-    whole = with_tendon(muscle, path, radius)
-    beyond = np.linalg.norm(np.diff(path[path[:, 2] > 104], axis=0), axis=1).sum()
-    assert open_edges(whole) == 0 and whole.volume - muscle.volume == pytest.approx(np.pi * radius**2 * beyond, rel=0.25)
-    away = muscle.corners[cKDTree(path).query(muscle.vertices)[0][muscle.triangles].min(axis=1) > reach_of_tendon(radius)].reshape(-1, 9)
-    assert len(away) > 500 and not set(map(tuple, away)) - set(map(tuple, whole.corners.reshape(-1, 9)))  # the muscle's own triangles
-    assert len(crossing_triangles(whole)) == 0
-
-
-def test_surfaces_are_sewn_along_borders_of_any_number():
-    """A ball without its belt, and the belt of a finer one."""
-    coarse, fine = ball(10.0, cells=24), ball(10.0, cells=60)
-    caps = clipped(coarse, np.abs(coarse.vertices[:, 2]), 4.0, False)
-    belt = clipped(fine, np.abs(fine.vertices[:, 2]), 3.0, True)
-    assert sorted(len(border_loops(one)) for one in (caps, belt)) == [2, 2]
-    whole = sew(caps, belt)
-    assert open_edges(whole) == 0 and not len(crossing_triangles(whole))
-    assert coarse.volume < whole.volume < fine.volume and largest_gap(whole, fine) < 0.2
-    with pytest.raises(Unsewable):
-        sew(clipped(coarse, coarse.vertices[:, 2], 4.0, False), belt)
-
-
-def test_what_comes_near_a_border_without_crossing_it_stays():
-    surface = ball(10.0, cells=40)
-    x, z = surface.vertices[:, 0], surface.vertices[:, 2]
-    bump = np.where(x > 9.5, 5.5, np.minimum(z, 4.0))  # above 5 at a place of its own, and nowhere above 6
-    high = np.where(z > 8, 7.0, bump)
-    kept = without_bumps(surface, high, 5.0, 6.0)
-    assert kept[x > 9.5].max() == 5.0 and kept[z > 8].min() == 7.0
-    assert np.array_equal(without_bays(surface, -high, -6.0, -5.0), -kept)
-
-
-def test_a_ring_lies_around_its_tendon_and_no_other_part():
-    tendon = Surface(spindle(120.0, 3.0).vertices, spindle().triangles)
-    beside = Surface(tendon.vertices + [30.0, 0, 0], tendon.triangles)
-    path = np.column_stack([np.zeros(60), np.zeros(60), np.linspace(1, 119, 60)])
-    ring = ring_around(merged([tendon, beside]), path, "bone", np.array([5.0, 1.0, 61.0]))
-    assert np.abs(ring.axis) == pytest.approx([0, 0, 1]) and ring.centre == pytest.approx([0, 0, 61], abs=0.1)
-    assert ring.radius == pytest.approx(3.0 + ROOM_MM, abs=0.05)
-    with pytest.raises(Problem, match="a ring is 22 mm from its tendon"):
-        ring_around(tendon, path, "bone", np.array([22.0, 0, 61]))
-
-
 def test_a_map_gives_scenes_their_tables_and_tendons_their_rings(knee, tmp_path, capsys):
     text = MAP.replace("near_mm = 2.0", 'near_mm = 2.0\nscene = """\n[loop]\nframes = 7\n"""') + """
 [[muscle]]
@@ -462,41 +307,6 @@ def test_muscles_of_one_scene_keep_each_its_tone(tmp_path):
     assert scene["effects"]["activation"]["shortening"] == 0.06
     assert [one.get("activation", 1) for one in scene["muscle"]] == [1, 0.5, 0]
     assert "effects" not in tomllib.loads(scene_text(anatomy, None, muscles[2:], ""))
-
-
-def test_a_tendon_that_has_to_go_through_a_bone_is_told():
-    bones = {"bone": ball(15, (0, 0, 95)), "end": ball(5, (0, 0, 150))}
-    tendon = Tendon("end", np.array([0, 0, 145.0]), np.empty((0, 3)), 2.0)
-    name, depth = deepest_in_bones(tendon_path(spindle(), tendon, bones), tendon, bones)
-    assert name == "bone" and depth > 5
-
-
-def test_a_tendon_finds_a_way_around_a_bone_that_splits_it():
-    """Half of its straight way is nearer to one side of the bone, half to the other: a plate that leans across it."""
-    plate = ball(1.0, cells=40)
-    plate.vertices = plate.vertices * [40.0, 8.0, 40.0] @ turned(np.eye(3), Axis(np.array([1.0, 0, 0]), np.zeros(3)), -20.0) + [0, 0, 140.0]
-    bones = {"bone": plate, "end": ball(5, (0, 0, 200))}
-    tendon = Tendon("end", np.array([0, 0, 195.0]), np.empty((0, 3)), 2.0)
-    path = tendon_path(spindle(), tendon, bones)
-    between = np.concatenate([path[:-1] + share * np.diff(path, axis=0) for share in np.linspace(0, 1, 9)])
-    assert plate.distance(between).min() > tendon.radius - 0.2 and path[-1] == pytest.approx(tendon.at)
-
-
-def test_a_way_keeps_room_where_there_is_room_and_takes_the_shortest():
-    wall = ball(20.0, (0, 3.0, 0), cells=40)
-    way = route(np.array([0, 0, -50.0]), np.array([0, 0, 50.0]), [wall.distance], 2.0)
-    assert wall.distance(way).min() > 1.0 and way[:, 1].min() < -17  # past the nearer side
-    assert np.linalg.norm(np.diff(way, axis=0), axis=1).sum() < 1.25 * 100
-    start, end = np.array([0, 0, -50.0]), np.array([90.0, 40, 20])
-    assert route(start, end, [], 2.0) == pytest.approx(np.array([start, end]))
-    assert route(start, end * 9, [], 2.0) == pytest.approx(np.array([start, end * 9]))  # of larger cells
-
-
-def test_a_path_that_jumps_through_a_bone_is_told():
-    """Its places are outside, and the line between two of them is not."""
-    path = np.array([[0, 0, -30.0], [0, 0, -16.0], [0, 0, 16.0], [0, 0, 30.0]])
-    name, depth = deepest_in_bones(path, Tendon("end", path[-1], np.empty((0, 3)), 2.0), {"bone": ball(15.0)})
-    assert name == "bone" and depth == pytest.approx(17.0, abs=0.2)
 
 
 def test_a_corner_between_held_ones_is_no_spike():

@@ -7,24 +7,15 @@ import numpy as np
 import pytest
 import vtk
 
+from anatomy_shapes import ball
 from musclebench.anatomy import overlaps
 from musclebench.anatomy.overlaps import CLEAR_MM, moved_apart, overlaps_of
-from musclebench.anatomy.surface import Surface, as_vtk, from_vtk, sample_points
+from musclebench.anatomy.surface import Surface, as_vtk, sample_points
 from musclebench.program.cli import Problem
 from musclebench.program.native_module import add_native_module
 from program import needs_native_module
 
 pytestmark = needs_native_module
-
-
-def ball(radius: float, centre=(0, 0, 0), cells=40) -> Surface:
-    source = vtk.vtkSphereSource()
-    source.SetRadius(radius)
-    source.SetCenter(*centre)
-    source.SetThetaResolution(cells)
-    source.SetPhiResolution(cells)
-    source.Update()
-    return from_vtk(source.GetOutput())
 
 
 @pytest.fixture
@@ -71,6 +62,11 @@ def test_muscles_that_overlap_are_moved_apart(crowd):
     for one in crowd.values():
         gaps = [other.distance(sample_points(one)).min() for other in crowd.values() if other is not one]
         assert min(gaps) > 0.9 * CLEAR_MM
+
+
+def test_a_muscle_inside_another_is_an_overlap():
+    (found,) = overlaps_of({"whole": ball(10), "inner": ball(2)})
+    assert found.triangles == 0 and found.nodes == len(ball(2).vertices) and found.deepest == pytest.approx(8, abs=0.1) and found.at is None
 
 
 def test_only_what_can_be_too_near_is_asked_and_nothing_is_missed(crowd, monkeypatch):

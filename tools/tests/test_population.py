@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 import vtk
 
+import anatomy_shapes
 import experiment
 import population
 from musclebench.anatomy.mesh_file import mend
@@ -36,12 +37,7 @@ PROJECT = Path(__file__).resolve().parents[2]
 
 
 def ball(radius=0.01, centre=(0, 0, 0), cells=24, stretch=(1, 1, 1)) -> Surface:
-    source = vtk.vtkSphereSource()
-    source.SetRadius(1.0)
-    source.SetThetaResolution(cells)
-    source.SetPhiResolution(cells)
-    source.Update()
-    surface = mend(from_vtk(source.GetOutput()), "ball").surface
+    surface = anatomy_shapes.ball(1.0, cells=cells)
     return Surface(surface.vertices * radius * np.array(stretch) + np.array(centre), surface.triangles)
 
 

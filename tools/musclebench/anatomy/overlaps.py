@@ -34,8 +34,8 @@ def overlaps_of(muscles: dict[str, Surface]) -> list[Overlap]:
     for i, one in enumerate(names):
         for other in names[i + 1:]:
             near = _near(muscles[one], muscles[other]), _near(muscles[other], muscles[one])
-            if not len(near[0].triangles) or not len(near[1].triangles):
-                continue
+            if not len(near[0].triangles) and not len(near[1].triangles):
+                continue  # with triangles of one only, that one may be inside the other
             both = merged(list(near))
             own = [crossing_triangles(near[0]), crossing_triangles(near[1]) + len(near[0].triangles)]
             passing = np.setdiff1d(crossing_triangles(both), np.concatenate(own))

@@ -26,6 +26,8 @@ def crossing_triangles(surface: Surface) -> NDArray[np.int64]:
 
 def _near_pairs(surface: Surface) -> NDArray[np.int64]:
     """(n, 2) triangles whose boxes meet and that share no edge."""
+    if not len(surface.triangles):
+        return np.empty((0, 2), dtype=np.int64)
     corners = surface.corners
     centres = corners.mean(axis=1)
     reach = np.linalg.norm(corners - centres[:, None], axis=2).max(axis=1)

@@ -208,23 +208,31 @@ INSTANTIATE_TEST_SUITE_P(Surfaces, NearPairsTest,
                            return std::string(of.param.first ? "Itself" : "Two") + (of.param.second < 1 ? "Small" : "");
                          });
 
+/// Two balls of 1 m, which are one mesh, and their pairs.
+struct TwoBalls {
+  explicit TwoBalls(int subdivisions) : ball(make_sphere(1, subdivisions)) {}
+
+  TriangleMesh ball;
+  TriangleTree tree{ball.triangles, ball.vertices, 0, ball.triangles.size()};
+  GivenPaths first{tree, ball.triangles};
+  GivenPaths second{tree, ball.triangles};
+  NearPairs pairs{first, second};
+};
+
 TEST(NearPairs, AFlightLeavesNothingOpen) {
-  const TriangleMesh ball = make_sphere(1, 3);
-  const TriangleTree tree(ball.triangles, ball.vertices, 0, ball.triangles.size());
-  GivenPaths first(tree, ball.triangles);
-  GivenPaths second(tree, ball.triangles);
-  NearPairs pairs(first, second);
+  TwoBalls balls(3);
+  const TriangleMesh& ball = balls.ball;
   Points far = ball.vertices;
   for (Vec3& vertex : far) vertex += Vec3(100, 0, 0);
   const auto step = [&](const Points& from, const Points& to) {
     const std::vector<VertexPath> still = paths_of(ball.vertices, ball.vertices, Vec3::Zero());
     const std::vector<VertexPath> flying = paths_of(from, to, Vec3::Zero());
-    first.set(still, Vec3::Zero());
-    second.set(flying, Vec3::Zero());
-    pairs.find(1e-3);
-    pairs.tell();
-    pairs.move_on();
-    return pairs.bytes();
+    balls.first.set(still, Vec3::Zero());
+    balls.second.set(flying, Vec3::Zero());
+    balls.pairs.find(1e-3);
+    balls.pairs.tell();
+    balls.pairs.move_on();
+    return balls.pairs.bytes();
   };
   Points scattered = far;
   Random random;
@@ -232,30 +240,26 @@ TEST(NearPairs, AFlightLeavesNothingOpen) {
   const std::size_t before = step(far, far);
   const std::size_t open = step(far, scattered);
   std::size_t after = 0;
-  for (int level = 0; level <= tree.top(); ++level) after = step(far, far);  // one more closes in each step
+  for (int level = 0; level <= balls.tree.top(); ++level) after = step(far, far);  // one more closes in each step
   EXPECT_GT(open, 100 * before);
   EXPECT_LT(after, 20 * before);
 }
 
 TEST(NearPairs, WhatStaysAsItIsIsNotLookedAtAgain) {
-  const TriangleMesh ball = make_sphere(1, 2);
-  const TriangleTree tree(ball.triangles, ball.vertices, 0, ball.triangles.size());
-  GivenPaths moving(tree, ball.triangles);
-  GivenPaths bone(tree, ball.triangles);
-  NearPairs pairs(moving, bone);
-  Points moved = ball.vertices;
+  TwoBalls balls(2);
+  Points moved = balls.ball.vertices;
   for (Vec3& vertex : moved) vertex.x() += 1.98;
-  const std::vector<VertexPath> still = paths_of(ball.vertices, ball.vertices, Vec3::Zero());
-  const std::vector<VertexPath> paths = paths_of(moved, moved, Vec3::Zero());
-  bone.set(still, Vec3::Zero());
-  moving.set(paths, Vec3::Zero());
-  pairs.find(0.05);
-  EXPECT_FALSE(pairs.found().empty());
-  pairs.tell();
+  const std::vector<VertexPath> moving = paths_of(moved, moved, Vec3::Zero());
+  const std::vector<VertexPath> still = paths_of(balls.ball.vertices, balls.ball.vertices, Vec3::Zero());
+  balls.first.set(moving, Vec3::Zero());
+  balls.second.set(still, Vec3::Zero());
+  balls.pairs.find(0.05);
+  EXPECT_FALSE(balls.pairs.found().empty());
+  balls.pairs.tell();
   // A bone's own paths are set once, and none of them is ever told to have changed.
-  moving.change({});
-  pairs.find(0.05);
-  EXPECT_TRUE(pairs.found().empty());
+  balls.first.change({});
+  balls.pairs.find(0.05);
+  EXPECT_TRUE(balls.pairs.found().empty());
 }
 
 /// Slivers and specks have axes whose squared lengths single precision can't tell from 0.
